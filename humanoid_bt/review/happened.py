@@ -97,7 +97,7 @@ class Happened:
             elif path in running:
                 span = running.pop(path)
                 span |= {"ended": change["time"], "status": status, "text": change["text"]}
-            elif change["kind"] == "skill" and status != "INVALID":
+            elif change["kind"] == "skill" and (status != "INVALID" or change["text"]):  # not if it is only reset
                 found.append({**change, "ended": change["time"]})
         for span in found:
             span["duration"] = max(span["ended"] - span["time"], 0.0)

@@ -61,7 +61,7 @@ def _lives(history: History, path: str) -> Iterator[Life]:
         if change.status == "RUNNING":
             begin = begin or change
             continue
-        if begin is None and change.status == "INVALID":
+        if begin is None and change.status == "INVALID" and not change.said:
             continue  # what it had answered is forgotten: its branch was left
         since = begin.time if begin else change.time
         found = [results for time, results in reported if since - AT <= time <= change.time + AT]

@@ -72,7 +72,7 @@ class NodeBreak:
         if change.path not in self._paths:
             return None
         ran, halted = before is Status.RUNNING, change.status is Status.INVALID
-        if halted and not ran:
+        if halted and not ran and not change.feedback:
             return None  # what it had answered is forgotten
         if ran if self._status is None else change.status is not self._status:
             return None

@@ -153,18 +153,19 @@ class Life:
         self._status = now
         own = [(index, change) for index, change in enumerate(view.changes) if change.path == path]
         index, told = own[-1] if own else (0, None)
-        changed = now is not before or (told is not None and now is not Status.INVALID)  # or once more the same
-        self.begins = changed and now is not Status.INVALID and before is not Status.RUNNING
+        halted = now is Status.INVALID and (before is Status.RUNNING or (told is not None and bool(told.feedback)))
+        if now is Status.INVALID and not halted:
+            self.begins = False  # it had ended before, and is at most reset
+            return
+        changed = now is not before or told is not None  # or once more the same
+        self.begins = changed and before is not Status.RUNNING
         if self.begins:
             self.results = {}
         self.results = view.results.get(path) or self.results
-        if not changed:
-            return
-        self.ran = self.ran or now is not Status.INVALID
-        if now is Status.INVALID and before is not Status.RUNNING:
-            return  # it had ended before, and is only reset
-        self.ended = "" if now is Status.RUNNING else _ENDS.get(now, "halted")
-        self.feedback, self.changed_at = told.feedback if told is not None else "", (view.time, index)
+        if changed:
+            self.ran = True
+            self.ended = "" if now is Status.RUNNING else _ENDS.get(now, "halted")
+            self.feedback, self.changed_at = told.feedback if told is not None else "", (view.time, index)
 
 
 class Course:

@@ -10,6 +10,7 @@ from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.happened import Happened, Row
+from humanoid_bt.review.history import HALTED
 
 
 def recorded(file: Path, path: str) -> list[dict[str, Any]]:
@@ -48,7 +49,7 @@ def _answers(changes: Iterable[Row], reported: Mapping[float, Sequence[Reported]
             answered = {result.name: result.value for result in results}
             yield {"status": status.lower(), "after": after, "feedback": said, "results": answered}
             began = None
-        elif began is not None:
+        elif began is not None or change["text"].startswith(HALTED):
             yield {"status": "running", "feedback": "halted here when it was recorded"}
             began = None
     if began is not None:

@@ -208,6 +208,15 @@ def test_a_node_that_never_had_its_turn(play: Play) -> None:
     assert found.time is None
 
 
+def test_a_node_that_was_halted_in_its_first_tick_had_its_turn(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(seen)
+    path = next(node["path"] for node in log.setup["tree"]["nodes"] if node["path"].endswith("/approach"))
+    told = [News(1.0, "node", [path, "INVALID", said]) for said in ("halted: 'parallel' failed", "")]
+    monkeypatch.setattr(log, "news_of", lambda *kinds, **_: told if "node" in kinds else [])
+    found = life_explained(History(log), "approach")
+    assert found.headline == "'approach' was asked once at 1.000 s: was halted: 'parallel' failed"
+
+
 def test_the_extremes_of_a_joint_are_those_of_all_servo_cycles(fallen: Path) -> None:
     log = read_flight(fallen)
     found = hbt.explain(fallen, joint="right_knee")

@@ -140,6 +140,7 @@ class WatchedLife(Life):
         def start() -> None:
             assert name not in self.alive, f"{name} was started twice"
             self.alive.add(name)
+            self.ticked.add(name)
             if isinstance(node, Skill):
                 self.skills.add(name)
             initialise()
@@ -178,6 +179,7 @@ def check(life: WatchedLife, told: dict[str, str]) -> None:
     running = {name for name, status in statuses.items() if status == RUNNING}
     assert life.alive == running
     assert running <= life.ticked, "a node runs that was not ticked"
+    ticked = set(life.ticked)
     life.ticked.clear()
     for node in life.tree.root.iterate():
         below = {statuses[child.name] for child in node.children}
@@ -188,8 +190,8 @@ def check(life: WatchedLife, told: dict[str, str]) -> None:
     for (earlier, _), (later, _) in itertools.combinations(changes, 2):
         assert later not in life.below[earlier], "a parent's change was told before its child's"
     for name, status in changes:
-        once_more = name in life.skills and status not in (INVALID, RUNNING)
-        assert told[name] != status or once_more or name == life.raised
+        once_more = name in ticked if status == INVALID else status != RUNNING and name in life.skills
+        assert told[name] != status or once_more
         told[name] = status
     assert told == statuses
     life.skills.clear()

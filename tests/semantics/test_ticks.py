@@ -225,6 +225,29 @@ def test_a_skill_that_starts_and_ends_at_once_is_told_each_time(
     assert acts(run(workspace, root), len(told)) == told
 
 
+@shows("status-told-halted")
+@pytest.mark.parametrize(
+    ("root", "says"),
+    [
+        ("{force_failure: {parallel: [{act: {script: r}}, failure]}}", "halted: 'parallel' failed"),
+        (
+            "{force_failure: {parallel: [{sequence: [{act: {script: r}}, running]}, failure]}}",
+            "halted: 'parallel' failed",
+        ),
+        ("{on_error: {act: {script: x}}}", "raised RuntimeError: out of order"),
+    ],
+)
+def test_a_node_that_is_started_and_halted_in_one_tick_is_told_with_the_reason(
+    workspace: Workspace, root: str, says: str
+) -> None:
+    life = run(workspace, root)
+    for _ in range(2):
+        life.tick()
+        told = [(change.status.name, change.feedback) for change in life.changes if change.path.endswith("act")]
+        assert told == [("INVALID", says)]
+        assert all(change.feedback for change in life.changes if change.status.name == "INVALID")
+
+
 @shows("status-asked-again")
 @pytest.mark.parametrize(
     "root",

@@ -301,7 +301,11 @@ def test_a_halt_is_a_breakpoint_but_not_that_of_the_end() -> None:
 REPEATED = """\
 format: 1
 root:
-  repeat: {times: 2, sequence: [{pause: {name: step (v1.2), duration: 20 ms}}]}
+  repeat:
+    times: 2
+    sequence:
+      - pause: {name: step (v1.2), duration: 20 ms}
+      - force_success: {parallel: [{pause: {name: brief, duration: 1 s}}, failure]}
 """
 
 
@@ -311,6 +315,7 @@ root:
         ("step (v1.2)", ["RUNNING: waiting", "RUNNING: waiting"]),
         ("step (v1.2)=SUCCESS", ["SUCCESS: waited", "SUCCESS: waited"]),
         ("step (v1.2)=HALTED", []),  # that its parent starts anew halts nothing
+        ("brief=HALTED", ["halted: 'parallel' failed"] * 2),  # in the tick in which it starts
     ],
 )
 def test_a_breakpoint_is_at_a_node_whatever_its_name(project: Path, where: str, found: list[str]) -> None:

@@ -263,6 +263,30 @@ def test_what_begins_again_and_what_there_is_more_than_one_of(again: TreeRun, te
     assert not failures(again, text)
 
 
+BRIEF = """
+format: 1
+root:
+  emergency_stop:
+    sequence:
+      - force_success: {parallel: [{fill: {name: gone, to: 9 m}}, {failure: {}}]}
+      - wait: {name: after, duration: 0.1 s}
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "gone ran and gone halted and not gone runs",
+        "order: [gone, after]",
+        "always: gone halted while after runs",
+        "contains(gone.feedback, 'halted')",
+    ],
+)
+def test_what_begins_and_is_halted_in_one_tick_was_there(kitchen: Stage, text: str) -> None:
+    (kitchen.workspace.root / "trees" / "brief.yaml").write_text(BRIEF, encoding="utf-8")
+    assert not failures(kitchen.run("brief"), text)
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [

@@ -120,7 +120,7 @@ def test_a_parameter_that_stands_for_a_node_is_none_by_itself(workspace: Workspa
 
 
 def test_what_begins_and_ends_within_a_tick_is_counted(workspace: Workspace, counted: Counted) -> None:
-    """It changes nothing that is told: the node does not run before the tick, nor after it."""
+    """That it ran is not told by itself: the node does not run before the tick, nor after it."""
     life = run(workspace, "{parallel: {success: one, children: [{act: {script: r}}, {success: {}}]}}")
     life.ticks(1)
     assert ("act", "RUNNING") not in life.told()

@@ -1,4 +1,4 @@
-"""Counting what nodes do, one by one: what begins and ends within a tick shows in no change that is told."""
+"""Counting what nodes do, one by one: not all that begins and ends within a tick is told."""
 
 from __future__ import annotations
 

@@ -28,13 +28,16 @@ from humanoid_bt.tree.tree import Tree
 
 @dataclass(frozen=True, slots=True)
 class NodeChange:
-    """A node's status changed, or a skill was started anew and ended at once as it had the last time.
+    """A node's status changed, or the node has come to it once more.
+
+    That is a skill that was started anew and ended at once as it had the last time, or any node that was started and
+    halted in one tick, or raised an exception in it.
 
     Attributes:
         time: engine time of the tick [s].
         path: the node's path.
         status: its new status; INVALID when it was halted, or reset because its branch was left.
-        feedback: what the node says about it.
+        feedback: what the node says about it; of one that was halted why, and nothing of one that was reset.
         results: of a skill that has ended, or was halted: what it had set by then.
     """
 
@@ -71,9 +74,8 @@ class Executor:
     Args:
         tree: the tree.
         robot: the robot as decision sees it.
-        on_change: called after a tick or halt for every node whose status differs from before it, and every skill
-            that was started in it and ended as it had before; children before parents, in the order in which they
-            were ticked or halted.
+        on_change: called after a tick or halt for every node whose status differs from before it, or that has come to
+            it once more; children before parents, in the order in which they were ticked or halted.
     """
 
     def __init__(self, tree: Tree, robot: Robot, on_change: Callable[[NodeChange], None] | None = None) -> None:
@@ -84,7 +86,7 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._skills = frozenset(node.behaviour for node in tree.nodes if node.kind == "skill")
-        self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
+        self._told: dict[Behaviour, Status] = dict.fromkeys(self._nodes, INVALID)
         self._tally = tally(tree)
         self._caught: dict[str, tuple[str, int]] = {}  # what each on_error took last, and how often in a row
         for node in tree.nodes:
@@ -142,7 +144,6 @@ class Executor:
         except Raised as raised:
             node = self._nodes[raised.node]
             self._halt_all(f"{raised.node.name!r} raised an exception", seen)
-            self._told[raised.node] = None  # tell of it also if it has never run
             self._tell(seen, state.time)
             raise NodeError(node, raised.error) from raised.error
         except ResourceConflict as conflict:
@@ -199,11 +200,11 @@ class Executor:
         told = self._told
         for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
             status = behaviour.status
-            before = told[behaviour]
-            if before is not status or (status is not INVALID and behaviour in seen.once_more):
+            reset = status is INVALID and not behaviour.feedback_message  # what was halted or raised says so
+            once_more = not reset if status is INVALID else behaviour in seen.once_more
+            if once_more or told[behaviour] is not status:
                 told[behaviour] = status
                 if self._on_change is not None:
                     path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
-                    left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
-                    results = () if status is RUNNING or left else reported(behaviour)
+                    results = () if status is RUNNING or reset else reported(behaviour)
                     self._on_change(NodeChange(time, path, status, feedback, results))

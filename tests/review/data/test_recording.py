@@ -100,10 +100,11 @@ def test_spans_follow_from_changes(recording: Recording) -> None:
 def test_a_skill_that_ends_in_its_first_tick_has_a_span(file: Path) -> None:
     log = read_flight(file)
     path = next(node["path"] for node in log.setup["tree"]["nodes"] if node["kind"] == "skill")
-    log.news[:] = [News(1.0, "node", [path, status, ""]) for status in ("SUCCESS", "INVALID", "FAILURE")]
+    told = [("SUCCESS", ""), ("INVALID", ""), ("FAILURE", ""), ("INVALID", "halted: 'parallel' failed")]
+    log.news[:] = [News(1.0, "node", [path, *change]) for change in told]
     spans = Happened(log).spans(2.0)
-    assert [(s["node"], s["time"], s["ended"], s["duration"]) for s in spans] == 2 * [(path, 1.0, 1.0, 0.0)]
-    assert [s["status"] for s in spans] == ["SUCCESS", "FAILURE"]
+    assert [(s["node"], s["time"], s["ended"], s["duration"]) for s in spans] == 3 * [(path, 1.0, 1.0, 0.0)]
+    assert [s["status"] for s in spans] == ["SUCCESS", "FAILURE", "INVALID"]  # what ended and is only reset has none
 
 
 def test_limits_are_those_of_the_robot(recording: Recording) -> None:

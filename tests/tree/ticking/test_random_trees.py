@@ -135,7 +135,8 @@ def test_no_node_is_forgotten_or_told_twice(workspace: Workspace, seed: int) -> 
             check(under_test)
             assert under_test.executor.status is INVALID
         for change in under_test.changes:
-            again = change.status in (SUCCESS, FAILURE) and change.path.rpartition("/")[2] in started
-            assert again or told[change.path] is not change.status
+            ended = change.status in (SUCCESS, FAILURE) and change.path.rpartition("/")[2] in started
+            halted = change.status is INVALID and bool(change.feedback)
+            assert ended or halted or told[change.path] is not change.status
             told[change.path] = change.status
         assert told == {node.path: node.behaviour.status for node in under_test.tree.nodes}
