@@ -110,13 +110,20 @@ def _kept(values: Array) -> Array:
     return values
 
 
-def check_relative(targets: Mapping[str, Target], sources: Mapping[str, str]) -> None:
-    """Refuse a hand that is to go where the other one is, which has no place of its own to go to."""
-    for side, other in (SIDES, SIDES[::-1]):
-        target, leader = (targets.get(f"{of}_hand") for of in (side, other))
+def check_relative(targets: Mapping[str, Target]) -> None:
+    """Refuse that a node moves a hand where the other one is, unless it moves that one to a place of its own.
+
+    Args:
+        targets: of one node, by resource.
+
+    Raises:
+        HumanoidBtError: it does.
+    """
+    for resource, target in targets.items():
         if not isinstance(target, HandTarget) or not target.relative:
             continue
+        side, other = SIDES if resource == "left_hand" else SIDES[::-1]
+        leader = targets.get(f"{other}_hand")
         if not isinstance(leader, HandTarget) or leader.relative:
-            path = sources[f"{side}_hand"]
-            why = f"relative to the {other} one, which nothing moves to a place in the world"
-            raise HumanoidBtError(f"{path!r} moves the {side} hand {why}")
+            why = f"relative to the {other} one, which it does not move to a place in the world"
+            raise HumanoidBtError(f"it moves the {side} hand {why}")

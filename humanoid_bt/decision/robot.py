@@ -16,7 +16,6 @@ from humanoid_bt.core.clock import DECISION_PERIOD, Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import RESOURCES, Array, Command, Level, Percept, State, Target
-from humanoid_bt.decision.arguments import check_relative
 from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.track import Track
 
@@ -196,7 +195,6 @@ class Robot:
 
         Raises:
             ResourceConflict: two nodes that are both alive command one resource.
-            HumanoidBtError: a hand is to go where the other one is, which has no place to go to.
         """
         targets: dict[str, Target] = {}
         sources: dict[str, str] = {}
@@ -208,7 +206,6 @@ class Robot:
                     )
                 targets[resource] = target
                 sources[resource] = handle.path
-        check_relative(targets, sources)
         command = Command(self._sequence, self.state.time, targets, sources)
         self._sequence += 1
         return command

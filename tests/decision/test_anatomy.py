@@ -14,6 +14,7 @@ from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import ArmTarget, HandTarget, Pointing
+from humanoid_bt.decision.arguments import check_relative
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.robot.config import load_robot_config
@@ -126,9 +127,10 @@ def test_what_is_told_has_one_of_three_levels(handle: RobotHandle) -> None:
 
 def test_a_hand_goes_only_with_one_that_has_a_place(robot: Robot, handle: RobotHandle) -> None:
     handle.move_hand("right", (0, 0, 0.2), relative=True)
-    with pytest.raises(HumanoidBtError, match="'root/act' moves the right hand relative to the left one"):
-        robot.commit()
+    with pytest.raises(HumanoidBtError, match="it moves the right hand relative to the left one, which it does not"):
+        check_relative(handle.targets)
     handle.move_hand("left", PLACE)
+    check_relative(handle.targets)
     target = robot.commit().targets["right_hand"]
     assert isinstance(target, HandTarget) and target.relative
 

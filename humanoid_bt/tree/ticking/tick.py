@@ -16,6 +16,7 @@ from py_trees.common import Status
 from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.texts import told
+from humanoid_bt.decision.arguments import check_relative
 from humanoid_bt.decision.skill import Skill
 
 
@@ -96,19 +97,17 @@ def tick(node: Behaviour, seen: Seen) -> Status:
         Raised: a node raised an exception, or returned what is no status. That node has been told to stop.
     """
     how, before = type(node).tick, node.status
+    leaf = how is _LEAF_TICK
     try:
-        if how is _BRANCH_TICK:
+        if leaf or how is _BRANCH_TICK:
             if before is not RUNNING:
                 node.feedback_message = ""
                 node.initialise()
-            status: Status = node.advance(seen)  # type: ignore[attr-defined]  # a Branch
-        elif how is _LEAF_TICK:
-            if before is not RUNNING:
-                node.feedback_message = ""
-                node.initialise()
-            status = node.update()
+            status: Status = node.update() if leaf else node.advance(seen)  # type: ignore[attr-defined]  # a Branch
         else:
             status = _own_tick(node)
+        if status is RUNNING and node in seen.skills and isinstance(node, Skill):
+            check_relative(node.robot.targets)
         if forks.astray or (status is not RUNNING and status is not SUCCESS and status is not FAILURE):
             raise _no_status(node, status)
     except Raised:
@@ -117,7 +116,7 @@ def tick(node: Behaviour, seen: Seen) -> Status:
         _check_own(error)
         _abandon(node, error, seen)
         raise Raised(node, error) from error
-    if status is not RUNNING and how is _LEAF_TICK:
+    if leaf and status is not RUNNING:
         try:
             node.stop(status)
         except BaseException as error:

@@ -139,6 +139,33 @@ def test_two_living_owners_of_a_resource_halt_the_tree(workspace: Workspace) -> 
     assert thief.executor.status is Status.INVALID
 
 
+@pytest.mark.parametrize("above", ["inverter", "on_error"])
+def test_a_hand_that_follows_one_without_a_place_is_an_error_of_its_skill(workspace: Workspace, above: str) -> None:
+    (workspace.root / "skills" / "follow.py").write_text(
+        "from humanoid_bt import Skill, Status\n"
+        "class Follow(Skill):\n"
+        "    resources = ('left_hand', 'right_hand')\n"
+        "    def update(self):\n"
+        "        if self.status is not Status.RUNNING:\n"
+        "            self.robot.move_hand('left', (0.3, 0.2, 1))\n"
+        "        self.robot.move_hand('right', (0, 0, 0.3), relative=True)\n"
+        "        return self.running('following')\n"
+    )
+    broken = run(workspace, f"{{emergency_stop: {{{above}: {{parallel: [act, follow, idle]}}}}}}")
+    broken.tick()
+    why = "it moves the right hand relative to the left one, which it does not move to a place in the world"
+    if above == "on_error":
+        assert not broken.tick().targets
+        assert broken.feedback("on_error") == f"'follow' raised HumanoidBtError: {why}"
+    else:
+        with pytest.raises(
+            NodeError, match=rf"t.yaml:2:52: the node 't/emergency_stop/inverter/parallel/follow' raised .*{why}"
+        ):
+            broken.tick()
+    assert ("follow", "INVALID") in broken.told()
+    assert ("INVALID", "act") in broken.log
+
+
 def test_what_setup_does_not_find_is_an_error_at_the_node(workspace: Workspace) -> None:
     (workspace.root / "skills" / "picky.py").write_text(
         "from humanoid_bt.core.errors import UserError\n"
