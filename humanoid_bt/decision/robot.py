@@ -65,6 +65,7 @@ class Robot:
     Attributes:
         calls: what carries calls to other programs, None where nothing does.
         clock: the tree's clock, which stands still while the run is paused.
+        ticks: how many the tree has had, this one included.
     """
 
     def __init__(
@@ -93,6 +94,7 @@ class Robot:
         self._past: deque[tuple[float, Array, Array]] = deque(maxlen=_POSES)  # time, position, quaternion of the base
         self._commanding: dict[Commands, None] = {}  # handles that set a target in this tick, in that order
         self._sequence = 0
+        self.ticks = 0
 
     @property
     def now(self) -> float:
@@ -178,6 +180,10 @@ class Robot:
 
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
+        self.ticks += 1
+        self._look(state, percepts)
+
+    def _look(self, state: State, percepts: Mapping[str, Percept]) -> None:
         self._state = state
         self._now = self._engine_clock.now()
         self._past.append((state.time, state.base_position, state.base_quaternion))
@@ -219,7 +225,7 @@ class Robot:
     def stand_still(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take a snapshot as :meth:`begin_tick`, of a time that does not pass for the tree."""
         before = self._now if self._state is not None else self._engine_clock.now()
-        self.begin_tick(state, percepts)
+        self._look(state, percepts)
         self.clock.stood += self._now - before
 
     def repeat(self, command: Command) -> Command:

@@ -111,6 +111,38 @@ def test_hysteresis_is_forgotten_when_the_branch_is_left(workspace: Workspace, c
 
 @shows("hysteresis-forgets")
 @pytest.mark.parametrize(
+    "condition",
+    ["condition: distance(target) <= 1 hysteresis 0.5", "within: {percept: target, distance: 1, hysteresis: 0.5}"],
+)
+def test_it_is_forgotten_when_a_branch_that_ended_is_left_for_another(workspace: Workspace, condition: str) -> None:
+    reach = f"{{sequence: [{{{condition}}}, {{act: {{name: reach, script: f}}}}]}}"
+    left = asked(workspace, f"{{repeat: {{selector: [{reach}, {{act: {{name: turn, script: rrsr}}}}]}}}}")
+    assert answers(left, 0.9, 3, 3, 1.2) == "rrrr"
+    assert left.log[-1] == ("start", "turn")
+    assert left.log.count(("start", "reach")) == 1
+
+
+@shows("hysteresis-forgets", "hysteresis-begins")
+def test_it_is_forgotten_while_another_part_decides(workspace: Workspace) -> None:
+    both = asked(workspace, "{condition: confidence(target) > 0.5 and distance(target) < 1 hysteresis 0.5}")
+    for distance, confidence in ((0.9, 0.9), (3, 0.1), (1.2, 0.9)):
+        both.tick(seen(both.time, distance, confidence))
+    assert both.executor.status.name == "FAILURE"
+
+
+@shows("hysteresis-forgets", "hysteresis-begins")
+def test_it_is_forgotten_while_nobody_tells_what_it_asks(workspace: Workspace) -> None:
+    sure = asked(workspace, "{condition: deviation(target) < 0.1 hysteresis 0.05}")
+    letters = ""
+    for deviation in (0.12, 0.08, 0.12, None, 0.12):
+        covariance = None if deviation is None else np.eye(3) * deviation**2
+        sure.tick({"target": replace(seen(sure.time)["target"], covariance=covariance)})
+        letters += sure.executor.status.name[0].lower()
+    assert letters == "fssff"
+
+
+@shows("hysteresis-forgets")
+@pytest.mark.parametrize(
     ("leaf", "came_to"),
     [
         ("set_blackboard: {key: near, expression: NEAR}", lambda left: left.tree.keys[0].value),

@@ -140,7 +140,7 @@ class Expression:
     def forget(self) -> None:
         """Forget which comparisons held: hysteresis begins anew."""
         for comparison in self.comparisons:
-            comparison.holds = False
+            comparison.held.holds = False
 
     def explain(self) -> str:
         """Return in words what was compared the last time."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, cast
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
@@ -12,6 +12,7 @@ from humanoid_bt.core.units import factors, readable_pair
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
+from humanoid_bt.tree.expressions.held import Held
 from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 
@@ -75,7 +76,7 @@ class Watched:
         type: of what it compares.
         left, right: what it compared; `left` is None before the first time, and where it was not looked at.
         text: the same in words.
-        holds: whether it held, as far as hysteresis remembers.
+        held: what its hysteresis remembers.
     """
 
     source: str
@@ -84,7 +85,7 @@ class Watched:
     type: Type = ANYTHING
     left: Any = None
     right: Any = None
-    holds: bool = False
+    held: Held = field(default_factory=Held)
 
     @property
     def text(self) -> str:
@@ -293,13 +294,14 @@ class Linker:
         if fixed is not None and fixed < 0:
             raise self.mistake("a hysteresis cannot be negative", "how much farther it goes on holding, like 5 cm")
         watched.steady = watched.steady or fixed != 0
-        looser = 1 if sign in ("<", "<=") else -1
+        looser, held = 1 if sign in ("<", "<=") else -1, watched.held
 
         def with_hysteresis(robot: Robot) -> bool:
+            loosened = held.ask(robot)
             watched.left, watched.right = left(robot), right(robot)
-            limit = watched.right + looser * width(robot) if watched.holds else watched.right
-            watched.holds = bool(compare(watched.left, limit))
-            return watched.holds
+            limit = watched.right + looser * width(robot) if loosened else watched.right
+            held.holds = bool(compare(watched.left, limit))
+            return held.holds
 
         return TRUTH, with_hysteresis
 

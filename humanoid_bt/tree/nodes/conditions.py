@@ -1,7 +1,7 @@
 """Conditions, with hysteresis: a value that jitters about a threshold does not make the tree flap.
 
-A condition remembers that it held as long as it is checked tick after tick; a branch that was halted or preempted
-starts afresh, with the plain threshold.
+A condition remembers that it held as long as it is checked tick after tick; a branch that was left starts afresh, with
+the plain threshold.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from humanoid_bt.core.params import PerceptName, param
 from humanoid_bt.core.units import readable_pair
 from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.expression import Truth
+from humanoid_bt.tree.expressions.held import Held
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
@@ -65,7 +66,7 @@ class PerceptCondition(Leaf):
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name, **values)
-        self._held = False
+        self._held = Held()
 
     @abc.abstractmethod
     def holds(self, track: Track, held: bool) -> bool:
@@ -74,17 +75,16 @@ class PerceptCondition(Leaf):
     def initialise(self) -> None:
         """Forget that it held if its branch was left."""
         if self.status is INVALID:
-            self._held = False
+            self._held.holds = False
 
     def update(self) -> Status:
         """Check the percept as it was at the start of the tick."""
-        track = self.robot.track(self.percept)
+        track, held = self.robot.track(self.percept), self._held.ask(self.robot)
         if track is None:
             self.feedback_message = self.robot.why_unseen(self.percept)
-            self._held = False
-        else:
-            self._held = self.holds(track, self._held)
-        return SUCCESS if self._held else FAILURE
+            return FAILURE
+        self._held.holds = self.holds(track, held)
+        return SUCCESS if self._held.holds else FAILURE
 
     def stop(self, new_status: Status) -> None:
         """Take the status; there is nothing to end."""
