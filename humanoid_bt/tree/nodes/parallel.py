@@ -74,11 +74,14 @@ class Parallel(Branch, py_trees.composites.Parallel):
         """Tick the children that have not ended; at the end, halt those that still run."""
         children, ended = self.children, self._ended
         for child in children:
-            if child not in ended and tick(child, seen) is not RUNNING:
+            if child in ended:
+                continue
+            if tick(child, seen) is RUNNING:
+                self.current_child = child
+            else:
                 ended.add(child)
         succeeded = sum(child.status is SUCCESS for child in ended)
         failed = len(ended) - succeeded
-        self.current_child = children[-1]
         needed = number_of(self.success, len(children))
         if failed >= number_of(self.failure, len(children)):
             self.feedback_message = f"{failed} of {len(children)} failed"

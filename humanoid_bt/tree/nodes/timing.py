@@ -138,3 +138,7 @@ class MinDuration(Timed):
         what = self._result.name.lower()
         self.feedback_message = f"{what}, in {readable(round(left, 1), 's')}" if left else ""
         return RUNNING if left else self._result
+
+    def tip(self) -> Behaviour | None:
+        """Return itself while its child has ended and it goes on, else the deepest node below."""
+        return self if self.status is RUNNING and self._result is not None else super().tip()

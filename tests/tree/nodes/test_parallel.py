@@ -52,3 +52,14 @@ def test_its_tip_is_the_child_that_decided(workspace: Workspace, threshold: str,
     tip = under_test.tree.root.tip()
     assert tip is not None
     assert tip.name == decides
+
+
+def test_its_tip_is_a_child_that_runs(workspace: Workspace) -> None:
+    under_test = run(workspace, "{parallel: [act: {name: long}, sequence: [act: {script: rs}, act: {script: s}]]}")
+    tips = []
+    for _ in range(3):
+        under_test.tick()
+        tip = under_test.tree.root.tip()
+        assert tip is not None
+        tips.append(tip.name)
+    assert tips == ["act", "long", "long"]

@@ -49,6 +49,15 @@ def test_min_duration_does_not_tick_a_child_that_ended(workspace: Workspace) -> 
     assert least.log == [("start", "act"), ("FAILURE", "act")]
 
 
+def test_the_tip_of_min_duration_is_itself_while_it_goes_on_alone(workspace: Workspace) -> None:
+    least = run(workspace, "{min_duration: {duration: 0.2 s, act: {script: rs}}}")
+    tips = []
+    for _ in range(3):
+        least.tick()
+        tips.append(least.tree.root.tip().name)  # type: ignore[union-attr]  # it was ticked
+    assert tips == ["act", "min_duration", "act"]
+
+
 def test_cooldown_counts_from_a_halt(workspace: Workspace) -> None:
     cooldown = run(workspace, "{cooldown: {duration: 0.2 s, act: {script: r}}}")
     cooldown.ticks(5)
