@@ -20,11 +20,12 @@ from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.held import Held
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.nodes.leaf import Leaf
+from humanoid_bt.tree.nodes.told_when_asked import ToldWhenAsked
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, SUCCESS
 
 
-class Condition(Leaf):
+class Condition(ToldWhenAsked, Leaf):
     """Succeed while an expression is true.
 
     A percept that was never seen makes it fail, unless `seen()` asks for it. A comparison can have a hysteresis:
@@ -50,8 +51,7 @@ class Condition(Leaf):
         except Unseen as unseen:
             self.feedback_message = str(unseen)
             return FAILURE
-        if status is not self.status:
-            self.feedback_message = self.expression.explain()
+        self.say(self.expression.explain)
         return status
 
     def stop(self, new_status: Status) -> None:

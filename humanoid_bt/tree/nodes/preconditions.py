@@ -9,12 +9,13 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.tree.nodes.decorators import Decorator
+from humanoid_bt.tree.nodes.told_when_asked import ToldWhenAsked
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
-from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Seen, halt, tick
 
 
-class Conditional(Decorator):
+class Conditional(ToldWhenAsked, Decorator):
     """Base of the decorators with a condition; it is asked in every tick unless a subclass says otherwise.
 
     While the condition is a node that is RUNNING, so is the decorator, and its child does not run.
@@ -61,11 +62,14 @@ class Conditional(Decorator):
         if status is RUNNING:
             self.feedback_message = "its condition is being checked"
         else:
-            self.feedback_message = "its condition does not hold"
-            if words := self.condition.feedback_message:
-                self.feedback_message += f": {words}"
-        self.reset_child(self.feedback_message, seen)
+            self.say(self._why_not)
+        if self.decorated.status is not INVALID:
+            halt(self.decorated, self.feedback_message, seen)
         return RUNNING if status is RUNNING else self.otherwise
+
+    def _why_not(self) -> str:
+        words = self.condition.feedback_message
+        return f"its condition does not hold: {words}" if words else "its condition does not hold"
 
     def proceed(self, seen: Seen) -> Status:
         """Tick the child: the condition holds."""

@@ -4,7 +4,9 @@ import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
-from tests.tree.helpers import Run, run, seen
+from tests.tree.helpers import Run, load, run, seen
+
+NOT_HELD = "its condition does not hold: "
 
 
 def watched(workspace: Workspace, condition: str) -> Run:
@@ -31,6 +33,28 @@ def test_feedback_says_what_was_compared(workspace: Workspace) -> None:
     assert confident.feedback("confident") == "confidence 0.41 < 0.6"
     statuses(confident, {"confidence": 0.7}, {"confidence": 0.52})
     assert confident.feedback("confident") == "confidence 0.52 >= 0.5"
+
+
+@pytest.mark.parametrize(
+    ("root", "node", "words"),
+    [
+        ("{condition: x < 9}", "condition", "x {x} < 9"),
+        ("{selector: [{condition: seen(target) and x > 3}, success]}", "condition", "x {x} > 3"),
+        *(
+            (f"{{force_success: {{{kind}: {{condition: x > 9, success: }}}}}}", kind, f"{NOT_HELD}x {{x}} > 9")
+            for kind in ("guard", "precondition", "while")
+        ),
+    ],
+)
+def test_what_is_compared_is_said_in_every_tick(workspace: Workspace, root: str, node: str, words: str) -> None:
+    write = "set_blackboard: {key: x, expression: x + 1}"
+    text = f"blackboard: {{x: 0}}\nroot: {{reactive_sequence: [{{{write}}}, {root}, running]}}\n"
+    compared = Run(load(workspace, "subtree: true\n" + text))
+    said = []
+    for _ in range(3):
+        compared.tick(seen(compared.time))
+        said.append(compared.feedback(node))
+    assert said == [words.format(x=x) for x in (1, 2, 3)]
 
 
 def test_within_holds_out_to_its_hysteresis(workspace: Workspace) -> None:
