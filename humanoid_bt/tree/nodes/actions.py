@@ -157,22 +157,16 @@ class RaiseEmergencyStop(Leaf):
 
     reason: str = param(doc="Why; told to people, and recorded.")
 
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name, **values)
-        self._stopped = False
-
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
         """Return RUNNING and SUCCESS: it never fails."""
         return frozenset({RUNNING, SUCCESS})
 
-    def initialise(self) -> None:
-        """Raise it."""
-        self._stopped = False
-        self.robot.raise_estop(self.path, self.reason)
-
     def update(self) -> Status:
-        """Wait until the robot was stopped and reset."""
+        """Raise it, then wait until the robot was stopped and reset."""
+        if self.status is not RUNNING:
+            self._stopped = False
+            self.robot.raise_estop(self.path, self.reason)
         self.feedback_message = f"raised the emergency stop: {self.reason}"
         latched = self.robot.state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
         if self._stopped and not latched:

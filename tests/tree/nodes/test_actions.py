@@ -3,12 +3,14 @@ from __future__ import annotations
 import textwrap
 
 import pytest
+from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.ticking.executor import NodeError
+from humanoid_bt.tree.ticking.forcing import force
 from tests.tree.helpers import Run, load, run, seen
 
 RAISE = "{raise_emergency_stop: {reason: too warm}}"
@@ -30,6 +32,15 @@ def test_it_raises_once_with_its_path_as_the_source(workspace: Workspace) -> Non
     assert raised == [("t/raise_emergency_stop", "too warm")]
     assert tree.executor.status.name == "RUNNING"
     assert tree.feedback("raise_emergency_stop") == "raised the emergency stop: too warm"
+
+
+def test_it_raises_nothing_where_its_result_is_forced(workspace: Workspace) -> None:
+    tree, raised = ready(workspace, RAISE)
+    force(tree.tree.root, Status.SUCCESS, "forced")
+    assert tree.ticks(1) == "s"
+    assert raised == []
+    tree.tick()
+    assert len(raised) == 1
 
 
 def test_it_succeeds_when_the_stop_was_reset_and_raises_again_when_it_is_ticked_again(workspace: Workspace) -> None:
