@@ -15,8 +15,8 @@ from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Branch, Seen
 def force(node: Behaviour, status: Status, why: str) -> None:
     """Let the next tick of a node give a status, once, whatever it would do.
 
-    What runs below it is halted then. A leaf ends as it does by itself: it is started if it does not run, told to
-    stop, and gives back what it commands.
+    What runs below it is halted then, and a node with children that runs is told of it as of a halt. A leaf ends as it
+    does by itself: it is started if it does not run, told to stop, and gives back what it commands.
 
     Args:
         node: the node.
@@ -41,6 +41,8 @@ def force(node: Behaviour, status: Status, why: str) -> None:
         for child in node.children:
             if child.status is RUNNING:
                 node.halt_child(child, why, seen)
+        if node.status is RUNNING:
+            node.terminate(INVALID)
         return status
 
     def update() -> Status:

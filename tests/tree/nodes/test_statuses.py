@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import pytest
+from py_trees.common import Status
 
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.ticking.forcing import force
 from tests.tree.helpers import load, run
 
 
@@ -74,6 +76,14 @@ def test_status_to_blackboard_writes_that_it_was_halted_while_it_ran(workspace: 
     written.tick()
     written.halt()
     assert key.value == "success"
+
+
+def test_status_to_blackboard_writes_that_it_was_halted_by_a_result_that_is_forced(workspace: Workspace) -> None:
+    written = run(workspace, "{sequence: [{status_to_blackboard: {key: k, act: }}, {log: '{k}'}]}")
+    written.tick()
+    force(written.tree.nodes[1].behaviour, Status.SUCCESS, "forced")
+    assert written.ticks(1) == "s"
+    assert [text for _, _, text in written.events] == ["invalid"]
 
 
 def test_the_status_is_a_text_to_expressions(workspace: Workspace) -> None:

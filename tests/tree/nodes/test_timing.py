@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import pytest
+from py_trees.common import Status
 
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.ticking.forcing import force
 from tests.tree.helpers import run
 
 
@@ -47,6 +49,13 @@ def test_min_duration_does_not_tick_a_child_that_ended(workspace: Workspace) -> 
     assert least.feedback("min_duration") == "failure, in 0.1 s"
     assert least.ticks(1) == "f"
     assert least.log == [("start", "act"), ("FAILURE", "act")]
+
+
+def test_cooldown_counts_from_a_result_that_is_forced(workspace: Workspace) -> None:
+    cooldown = run(workspace, "{cooldown: {duration: 0.2 s, act: }}")
+    cooldown.ticks(5)
+    force(cooldown.tree.root, Status.SUCCESS, "forced")
+    assert cooldown.ticks(3) == "sfr"
 
 
 def test_the_tip_of_min_duration_is_itself_while_it_goes_on_alone(workspace: Workspace) -> None:
