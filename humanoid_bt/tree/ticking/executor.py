@@ -88,7 +88,7 @@ class Executor:
         self._skills = frozenset(node.behaviour for node in tree.nodes if node.kind == "skill")
         self._told: dict[Behaviour, Status] = dict.fromkeys(self._nodes, INVALID)
         self._tally = tally(tree)
-        self._caught: dict[str, tuple[str, int]] = {}  # what each on_error took last, and how often in a row
+        self._caught: dict[Behaviour, tuple[str, int]] = {}  # what was taken of a node last, and how often in a row
         for node in tree.nodes:
             if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
@@ -187,11 +187,11 @@ class Executor:
         return first
 
     def _tell_caught(self, by: Node, raised: Raised) -> None:
-        """Tell that an ``on_error`` made a failure of an exception; of the same one the 1st, 10th, 100th ... time."""
+        """Tell that an ``on_error`` made a failure of an exception; of a node's same one the 1st, 10th ... time."""
         text = str(NodeError(self._nodes[raised.node], raised.error)).replace("\n    ", ", ")
-        before, times = self._caught.get(by.path, ("", 0))
+        before, times = self._caught.get(raised.node, ("", 0))
         times = times + 1 if text == before else 1
-        self._caught[by.path] = text, times
+        self._caught[raised.node] = text, times
         if times == 10 ** (len(str(times)) - 1):
             again = f" for the {times:,}th time" if times > 1 else ""
             self.robot.log(by.path, "warning", f"caught{again}: {text}")

@@ -57,6 +57,14 @@ def test_of_the_same_one_again_and_again_the_first_the_tenth_and_so_on_is_told(w
     assert [text.split(": ")[0] for _, _, text in other.events] == ["caught", "caught"]
 
 
+def test_of_two_that_come_together_again_and_again_each_is_counted(workspace: Workspace) -> None:
+    pair = "{parallel: [{bad_end: {script: r}}, {act: {script: rx}}]}"
+    caught = run(workspace, f"{{repeat: {{force_success: {{on_error: {pair}}}}}}}")
+    caught.ticks(24)
+    told = [text.split(": ")[0] for _, _, text in caught.events]
+    assert told == ["caught"] * 2 + ["caught for the 10th time"] * 2
+
+
 def test_what_is_below_starts_afresh_the_next_time(workspace: Workspace) -> None:
     caught = run(workspace, "{on_error: {sequence: [{act: {name: a, script: s}}, {act: {name: b, script: xrs}}]}}")
     assert caught.ticks(3) == "frs"
