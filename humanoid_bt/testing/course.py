@@ -148,24 +148,22 @@ class Life:
 
     def look(self, view: View) -> None:
         """Look at the node after a tick."""
-        path = self.node.path
-        before, now = self._status, view.statuses[path]
+        self.begins = False
+        for index, change in enumerate(view.changes):
+            if change.path == self.node.path:
+                self._follow(change, (view.time, index))
+        self.results = view.results.get(self.node.path) or self.results
+
+    def _follow(self, change: NodeChange, at: tuple[float, int]) -> None:
+        before, now = self._status, change.status
         self._status = now
-        own = [(index, change) for index, change in enumerate(view.changes) if change.path == path]
-        index, told = own[-1] if own else (0, None)
-        halted = now is Status.INVALID and (before is Status.RUNNING or (told is not None and bool(told.feedback)))
-        if now is Status.INVALID and not halted:
-            self.begins = False  # it had ended before, and is at most reset
-            return
-        changed = now is not before or told is not None  # or once more the same
-        self.begins = changed and before is not Status.RUNNING
-        if self.begins:
-            self.results = {}
-        self.results = view.results.get(path) or self.results
-        if changed:
-            self.ran = True
-            self.ended = "" if now is Status.RUNNING else _ENDS.get(now, "halted")
-            self.feedback, self.changed_at = told.feedback if told is not None else "", (view.time, index)
+        if now is Status.INVALID and before is not Status.RUNNING and not change.feedback:
+            return  # it had ended before, and is only reset
+        if before is not Status.RUNNING:
+            self.begins, self.results = True, {}
+        self.ran = True
+        self.ended = "" if now is Status.RUNNING else _ENDS.get(now, "halted")
+        self.feedback, self.changed_at = change.feedback, at
 
 
 class Course:

@@ -248,6 +248,43 @@ def test_a_node_that_is_started_and_halted_in_one_tick_is_told_with_the_reason(
         assert all(change.feedback for change in life.changes if change.status.name == "INVALID")
 
 
+@shows("status-told-reset")
+@pytest.mark.parametrize(
+    "above",
+    [
+        "{on_error: {sequence: [DO, {act: {name: bad, script: x}}]}}",
+        "{running_is_success: {sequence: [DO, running]}}",
+        "{force_success: {parallel: {failure: one, children: [{sequence: [DO, running]}, {act: {script: f}}]}}}",
+    ],
+)
+def test_a_skill_that_ends_and_is_reset_in_one_tick_is_told_with_what_it_came_to(
+    workspace: Workspace, above: str
+) -> None:
+    (workspace.root / "skills" / "weigh.py").write_text(
+        "from humanoid_bt import Skill, result\n"
+        "class Weigh(Skill):\n"
+        "    grams: int = result(doc='Its weight.')\n"
+        "    def update(self):\n"
+        "        self.grams = 120\n"
+        "        return self.succeed('weighed')\n"
+    )
+    life = run(workspace, above.replace("DO", "weigh"))
+    for _ in range(2):
+        life.tick()
+        told = [change for change in life.changes if change.path.endswith("/weigh")]
+        assert [(one.status.name, one.feedback) for one in told] == [("SUCCESS", "weighed"), ("INVALID", "")]
+        assert [[result.value for result in one.results] for one in told] == [[120], []]
+
+
+@shows("status-told-reset")
+def test_so_is_one_that_ran_before_and_its_exception_ends_the_run(workspace: Workspace) -> None:
+    life = run(workspace, "{sequence: [{act: {script: rs}}, {act: {name: bad, script: x}}]}")
+    life.tick()
+    with pytest.raises(NodeError):
+        life.tick()
+    assert life.told() == [("act", "SUCCESS"), ("bad", "INVALID"), ("act", "INVALID"), ("sequence", "INVALID")]
+
+
 @shows("status-asked-again")
 @pytest.mark.parametrize(
     "root",

@@ -65,10 +65,22 @@ root:
 # again 0 to 0.2 s and 0.42 to 0.62 s, fill after each for 0.2 s, then more until it is halted at 1.12 s
 
 
+SPILT = """
+format: 1
+blackboard: {cups: 0}
+root:
+  emergency_stop:
+    on_error:
+      sequence: [{fill: {to: 2 cm}}, {log: "{1 / cups}"}]
+"""
+# fill 0 to 0.2 s; an exception in that tick halts the sequence
+
+
 @pytest.fixture(scope="module")
 def kitchen(tmp_path_factory: pytest.TempPathFactory) -> Stage:
     folder = tmp_path_factory.mktemp("workspace")
-    for name, text in {"trees/tea.yaml": TREE, "trees/again.yaml": AGAIN, "skills/fill.py": SKILL}.items():
+    trees = {"trees/tea.yaml": TREE, "trees/again.yaml": AGAIN, "trees/spilt.yaml": SPILT}
+    for name, text in {**trees, "skills/fill.py": SKILL}.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
     return Stage(folder, dry=True)
@@ -142,6 +154,13 @@ MET = (
 @pytest.mark.parametrize("text", MET)
 def test_what_is_so_is_met(run: TreeRun, text: str) -> None:
     assert not failures(run, text)
+
+
+def test_what_ends_and_is_reset_in_one_tick_has_ended_as_it_did(kitchen: Stage) -> None:
+    spilt = kitchen.run("spilt")
+    assert not failures(spilt, "fill succeeded", "level >= 2 cm", "fill.feedback == 'the cup is full'")
+    told = [change["status"] for change in spilt.report.timeline if change["path"].endswith("/fill")]
+    assert told == ["RUNNING", "SUCCESS", "INVALID"]
 
 
 NOT_MET = (

@@ -22,7 +22,7 @@ from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
 from humanoid_bt.tree.ticking.counted import Counted
-from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Raised, Seen, halt_alone, tick
+from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, End, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Tree
 
 
@@ -32,6 +32,8 @@ class NodeChange:
 
     That is a skill that was started anew and ended at once as it had the last time, or any node that was started and
     halted in one tick, or raised an exception in it.
+
+    Of a skill that ended and was reset in one tick there are two.
 
     Attributes:
         time: engine time of the tick [s].
@@ -75,7 +77,8 @@ class Executor:
         tree: the tree.
         robot: the robot as decision sees it.
         on_change: called after a tick or halt for every node whose status differs from before it, or that has come to
-            it once more; children before parents, in the order in which they were ticked or halted.
+            it once more; children before parents, in the order in which they were ticked or halted. How skills ended
+            that were reset in the same tick comes before all of this.
     """
 
     def __init__(self, tree: Tree, robot: Robot, on_change: Callable[[NodeChange], None] | None = None) -> None:
@@ -198,13 +201,19 @@ class Executor:
 
     def _tell(self, seen: Seen, time: float) -> None:
         told = self._told
+        for behaviour, end in seen.ends.items():
+            if told[behaviour] is not end.status or behaviour in seen.once_more:
+                self._tell_one(behaviour, time, end)
         for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
             status = behaviour.status
             reset = status is INVALID and not behaviour.feedback_message  # what was halted or raised says so
             once_more = not reset if status is INVALID else behaviour in seen.once_more
             if once_more or told[behaviour] is not status:
-                told[behaviour] = status
-                if self._on_change is not None:
-                    path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
-                    results = () if status is RUNNING or reset else reported(behaviour)
-                    self._on_change(NodeChange(time, path, status, feedback, results))
+                results = () if status is RUNNING or reset else reported(behaviour)
+                self._tell_one(behaviour, time, End(status, behaviour.feedback_message, results))
+
+    def _tell_one(self, behaviour: Behaviour, time: float, now: End) -> None:
+        self._told[behaviour] = now.status
+        if self._on_change is not None:
+            path = self._nodes[behaviour].path
+            self._on_change(NodeChange(time, path, now.status, shortened(now.feedback), now.results))

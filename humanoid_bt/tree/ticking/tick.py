@@ -8,7 +8,8 @@ by generators, and note every node they touch in ``seen``, children before paren
 from __future__ import annotations
 
 import abc
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
+from typing import NamedTuple
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -17,7 +18,22 @@ from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.texts import told
 from humanoid_bt.decision.arguments import check_relative
+from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.skill import Skill
+
+
+class End(NamedTuple):
+    """How a skill ended that was reset later in the same tick.
+
+    Attributes:
+        status: SUCCESS or FAILURE.
+        feedback: what it said.
+        results: what it had set.
+    """
+
+    status: Status
+    feedback: str
+    results: tuple[Reported, ...]
 
 
 class Seen(list[Behaviour]):
@@ -27,11 +43,13 @@ class Seen(list[Behaviour]):
         changed: whether any of them has another status than before, or has come to it once more.
         skills: nodes of which is told each time that they end.
         once_more: those of them that were started anew and have ended as they had before; not if only asked again.
+        ends: how those of them ended that were reset after they had been ticked.
     """
 
     changed = False
     skills: Collection[Behaviour] = ()
     once_more: Collection[Behaviour] = ()
+    ends: Mapping[Behaviour, End] = {}
 
 
 SUCCESS, FAILURE, RUNNING, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
@@ -165,6 +183,8 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
             raise _not_stopped(node, error, seen) from error
         node.feedback_message = f"halted: {reason}"
     else:
+        if node in seen.skills and node in seen:
+            seen.ends = {**seen.ends, node: End(node.status, node.feedback_message, reported(node))}
         node.feedback_message = ""
     node.status = INVALID
     seen.append(node)
