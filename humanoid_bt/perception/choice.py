@@ -12,13 +12,10 @@ from humanoid_bt.core.params import params_of
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.core.sources import NamedSource, Sources
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.source import PerceptSource, source_name
-from humanoid_bt.perception.source_files import load_sources
+from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.perception.source_files import TRACKER, load_sources
 from humanoid_bt.perception.tracker import Tracker
 from humanoid_bt.plant.scene_config import SceneConfig
-
-DEFAULT = source_name(Tracker)
-"""The source that is used where nobody names one."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ def choose(sources: Sources | None, workspace: Workspace, scene: SceneConfig) ->
             percept, or a file in ``perception/`` has mistakes.
     """
     if sources is None:
-        return [Chosen(DEFAULT, Tracker, {"only": []}, tuple(scene.percepts))]
+        return [Chosen(TRACKER, Tracker, {"only": []}, tuple(scene.percepts))]
     known = load_sources(workspace)
     problems: list[Problem] = []
     found: list[tuple[NamedSource, type[PerceptSource], dict[str, Any]]] = []

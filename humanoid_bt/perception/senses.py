@@ -9,13 +9,13 @@ from types import MappingProxyType
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.messages import Level, Percept, State, Truth
-from humanoid_bt.perception.choice import DEFAULT, Chosen, labels
+from humanoid_bt.perception.choice import Chosen, labels
 from humanoid_bt.perception.eyes import Eyes
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.perception.source import Moment
-from humanoid_bt.perception.source_files import whole_ticks
+from humanoid_bt.perception.source_files import TRACKER, whole_ticks
 from humanoid_bt.perception.worker import Worker
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.robot.model import RobotModel
@@ -44,7 +44,7 @@ def new_perception(
         show: takes every picture that is made for the sources, None if nobody wants them.
         marks, off: as of :class:`Senses`.
     """
-    if [one.name for one in chosen] == [DEFAULT] and set(chosen[0].names) == set(scene.config.percepts):
+    if [one.name for one in chosen] == [TRACKER] and set(chosen[0].names) == set(scene.config.percepts):
         return SimulatedPerception(scene, scene.seed)  # trusted: it needs no thread
     return Senses(chosen, robot, scene, waits=waits, show=show, marks=marks, off=off)
 

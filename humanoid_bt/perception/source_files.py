@@ -17,6 +17,9 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.source import NEEDS, PerceptSource, source_name
 from humanoid_bt.perception.tracker import Tracker
 
+TRACKER = source_name(Tracker)
+"""The source that is used where nobody names one: no file can declare another one of this name."""
+
 _CODE = "broken-source"
 _TAKEN = frozenset((*dir(PerceptSource), "names", "random", "scene"))
 """Attributes that a source has already; a parameter of that name would break it."""
@@ -25,13 +28,13 @@ _FASTEST = round(1 / DECISION_PERIOD)  # Hz
 
 
 def load_sources(workspace: Workspace) -> dict[str, type[PerceptSource]]:
-    """Return every percept source of a workspace by its name; the user's win over built-in ones.
+    """Return every percept source of a workspace by its name; the user's win over built-in files.
 
     Raises:
         UserError: with every problem found: a file that cannot be imported or has no source, a name that two files of
-            one folder declare, a declaration that is not valid.
+            one folder declare, the simulated tracker's name, a declaration that is not valid.
     """
-    found: dict[str, type[PerceptSource]] = {source_name(Tracker): Tracker}
+    found: dict[str, type[PerceptSource]] = {TRACKER: Tracker}
     folders: dict[str, Path] = {}
     problems: list[Problem] = []
     for path in workspace.perception_files():
@@ -49,6 +52,9 @@ def load_sources(workspace: Workspace) -> dict[str, type[PerceptSource]]:
                 hint = f"first at {class_place(found[name])}"
                 message = f"the percept source {name!r} is declared twice"
                 problems.append(Problem(message, place, hint, "duplicate-source"))
+            if name == TRACKER:
+                message = f"the percept source {name!r} is the simulated tracker, which is used where none is named"
+                problems.append(Problem(message, place, "rename it, or give it a source_name", "taken-name"))
             problems += _mistakes(name, cls, place)
             found[name], folders[name] = cls, path.parent
     if problems:

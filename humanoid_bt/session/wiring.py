@@ -11,8 +11,9 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.gateway.plan import planned
-from humanoid_bt.perception.choice import DEFAULT, Chosen, choose
+from humanoid_bt.perception.choice import Chosen, choose
 from humanoid_bt.perception.senses import new_perception
+from humanoid_bt.perception.source_files import TRACKER
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.decision_side import Realtime
 from humanoid_bt.realtime.gateway_life import GatewayPlan
@@ -57,7 +58,7 @@ def _gateway(path: Path, sources: Sources | None, chosen: Sequence[Chosen]) -> G
     """
     plan = planned(path)
     for one in chosen if sources is not None else ():
-        if one.name != DEFAULT and (twice := sorted(set(one.names) & set(plan.percepts))):
+        if one.name != TRACKER and (twice := sorted(set(one.names) & set(plan.percepts))):
             message = f"the source {one.name!r} and the gateway publish the percept {twice[0]!r}"
             raise UserError(message, sources.place if sources else None, f"see {relative(path)}", "duplicate-percept")
     return replace(plan, pictures=plan.pictures and any("camera" in one.cls.needs for one in chosen))

@@ -204,6 +204,10 @@ def test_wrong_names_and_parameters_are_told(workspace: Workspace, sources: Any,
             "class A(PerceptSource):\n    far: float = param('5 m', unit='m', doc='')\n    def look(self, now): pass\n",
             r"in 'a', the default of 'far' must be 5.0, not '5 m' \[broken-source\]",
         ),
+        (
+            "class Mine(PerceptSource):\n    source_name = 'tracker'\n    def look(self, now): pass\n",
+            r"wrong.py:4:1: error: the percept source 'tracker' is the simulated tracker, .* \[taken-name\]",
+        ),
     ],
 )
 def test_mistakes_in_a_file_are_told_with_their_place(workspace: Workspace, text: str, message: str) -> None:
