@@ -139,7 +139,8 @@ class Senses(Perception):
         for sense in due:
             sense.last = tick // sense.ticks
             if not sense.worker.off:
-                sense.worker.look(_moment(sense, robot, state, picture))
+                never = [name for name in sense.worker.source.names if name in self._never]
+                sense.worker.look(_moment(sense, robot, state, picture), never)
         return found + self._taken(due) if self._waits else found
 
     def take_news(self) -> Sequence[tuple[Level, str]]:
@@ -164,14 +165,11 @@ class Senses(Perception):
     def _take(self, worker: Worker, *, wait: bool) -> list[Percept]:
         if worker.off or not worker.busy:
             return []
-        found = worker.take(wait)
+        percepts, unseen = worker.take(wait)
+        self._never |= unseen
         if worker.off:
             self._tell_off(worker)
-        else:
-            for name in worker.source.names:
-                if name in self._never:
-                    self._never[name] = worker.source.why_unseen(name)
-        return found
+        return percepts
 
     def _tell_off(self, worker: Worker) -> None:
         self._news.append(("error", f"the percept source {worker.label!r} is off: it {worker.off}"))

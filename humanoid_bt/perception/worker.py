@@ -7,10 +7,10 @@ import itertools
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,21 @@ class PerceptError(ValueError):
     """What a source gave is no percept, or none of its own."""
 
 
+class Looked(NamedTuple):
+    """What came of a look.
+
+    Attributes:
+        percepts: what was seen.
+        unseen: why others were never seen so far, by name.
+    """
+
+    percepts: list[Percept]
+    unseen: Mapping[str, str]
+
+
+_NOTHING = Looked([], {})
+
+
 class Worker:
     """Has a source look, one moment after the other.
 
@@ -56,7 +71,7 @@ class Worker:
         self._since = 0.0
         self._limit = SETUP_PATIENCE
         self._orders: queue.SimpleQueue[Callable[[], Any] | None] = queue.SimpleQueue()
-        self._answers: queue.SimpleQueue[tuple[list[Percept], BaseException | None]] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[Looked | BaseException] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._work, name=f"source {label}", daemon=True)
         self._thread.start()
 
@@ -64,30 +79,36 @@ class Worker:
         """Have the source set itself up."""
         self._order(self.source.setup, SETUP_PATIENCE)
 
-    def look(self, now: Moment) -> None:
-        """Have the source look, if it is not at work."""
-        if not (self.busy or self.off):
-            self._order(lambda: checked(self.source.look(now), self.source.names, now.time), self.source.patience)
+    def look(self, now: Moment, never: Collection[str]) -> None:
+        """Have the source look, if it is not at work.
 
-    def take(self, wait: bool) -> list[Percept]:
+        Args:
+            now: at what.
+            never: the percepts of which it is to say why they were never seen, if they are not seen now either.
+        """
+        if not (self.busy or self.off):
+            self._order(lambda: looked(self.source, now, never), self.source.patience)
+
+    def take(self, wait: bool) -> Looked:
         """Return what it has seen since the last time; note why it is off if it has failed.
 
         Args:
             wait: until it is done, or has taken too long.
         """
         if not self.busy:
-            return []
+            return _NOTHING
         left = self._since + self._limit - time.monotonic()
         try:
-            percepts, error = self._answers.get(timeout=max(left, 0.001)) if wait else self._answers.get_nowait()
+            answer = self._answers.get(timeout=max(left, 0.001)) if wait else self._answers.get_nowait()
         except queue.Empty:
             if wait or left < 0:
                 self._give_up()
-            return []
+            return _NOTHING
         self.busy = False
-        if error is not None:
-            self.off = self._told(error)
-        return percepts
+        if isinstance(answer, BaseException):
+            self.off = self._told(answer)
+            return _NOTHING
+        return answer
 
     def close(self) -> None:
         """End its thread when it has done what it is at."""
@@ -129,12 +150,33 @@ class Worker:
         return f"raised {type(error).__name__}{f': {said}' if said else ''}{where}"
 
 
-def _obeyed(order: Callable[[], Any]) -> tuple[list[Percept], BaseException | None]:
+def _obeyed(order: Callable[[], Any]) -> Looked | BaseException:
     """Return what came of an order, or what it raised."""
     try:
-        return order() or [], None
+        found = order()
     except BaseException as error:  # whatever it is, it is this source's alone
-        return [], error
+        return error
+    return found if isinstance(found, Looked) else _NOTHING
+
+
+def looked(source: PerceptSource, now: Moment, never: Collection[str]) -> Looked:
+    """Return what a source sees now, and why it never saw others; raises PerceptError and what the source raises.
+
+    Args:
+        source: it.
+        now: at what it looks.
+        never: the percepts that were never seen so far.
+    """
+    percepts = checked(source.look(now), source.names, now.time)
+    seen = {percept.name for percept in percepts}
+    return Looked(percepts, {name: _why_unseen(source, name) for name in never if name not in seen})
+
+
+def _why_unseen(source: PerceptSource, name: str) -> str:
+    why: Any = source.why_unseen(name)
+    if not isinstance(why, str):
+        raise PerceptError(f"why_unseen({name!r}) gave {shortened(repr(why), 80)}, and must give a text")
+    return shortened(one_line(why), _LONGEST)
 
 
 def checked(found: Iterable[Percept], names: Iterable[str], time: float) -> list[Percept]:

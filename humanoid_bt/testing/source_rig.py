@@ -21,7 +21,7 @@ from humanoid_bt.perception.eyes import Eyes
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.perception.source import Moment, PerceptSource
 from humanoid_bt.perception.source_files import whole_ticks
-from humanoid_bt.perception.worker import checked
+from humanoid_bt.perception.worker import looked
 from humanoid_bt.plant.scene import Scene, load_scene, random_stream
 from humanoid_bt.review.recording import open_recording
 from humanoid_bt.session.lockstep import Lockstep
@@ -164,6 +164,7 @@ class SourceTrial:
 
     def __init__(self, source: PerceptSource, name: str) -> None:
         self.source, self.name = source, name
+        self._never = set(source.names)
 
     def look(self, now: Moment) -> dict[str, Percept]:
         """Return what the source sees, by name; what it raises, it raises here.
@@ -176,8 +177,9 @@ class SourceTrial:
         for need in self.source.needs:
             if there[need] is None:
                 raise UserError(f"the source {self.name!r} needs the {need}, and this moment has none")
-        found = checked(self.source.look(now), self.source.names, now.time)
-        return {percept.name: percept for percept in found}
+        found = {percept.name: percept for percept in looked(self.source, now, self._never).percepts}
+        self._never -= set(found)
+        return found
 
     def watch(self, moments: Iterable[Moment]) -> list[Percept]:
         """Return everything that the source sees in moments, of which it looks at those that are due."""

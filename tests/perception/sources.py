@@ -74,6 +74,26 @@ class Floods(PerceptSource):
             yield Percept(self.name, now.time, (1, 0, 0), 0.9)
 
 
+class Wordless(PerceptSource):
+    """Do not say why it sees nothing."""
+
+    name: PerceptName = param("cup", doc="Percept that it publishes.")
+
+    def look(self, now):
+        self.why = None
+        return []
+
+    def why_unseen(self, name):
+        return self.why
+
+
+class Clueless(Wordless):
+    """Raise when it is asked why it sees nothing."""
+
+    def why_unseen(self, name):
+        return self.reason
+
+
 class Fails(PerceptSource):
     """Cannot be set up."""
 

@@ -113,6 +113,8 @@ def test_the_tracker_gives_way_to_who_publishes_a_percept_of_its(seen: Any) -> N
         ("raises", 0.5, r"raised KeyError: 'no detector' \(.*perception/bad.py:13:\d+\)"),
         ("blocks", 0.0, r"has been at it for more than 0.2 s"),
         ("floods", 0.0, r"answers wrongly: look\(\) gave the percept 'flood' twice at once \(.*bad.py"),
+        ("wordless", 0.0, r"answers wrongly: why_unseen\('cup'\) gave None, and must give a text \(.*bad.py"),
+        ("clueless", 0.0, r"raised AttributeError: .*'reason' \(.*perception/bad.py:\d+:\d+\)"),
         ("fails", 0.0, r"raised OSError: no weights \(.*perception/bad.py:\d+:\d+\)"),
     ],
 )
