@@ -92,7 +92,7 @@ def _mistakes(name: str, cls: type[PerceptSource], place: Place) -> Iterator[Pro
     if wrong:
         hint = f'needs = ("camera",); valid: {", ".join(NEEDS)}'
         yield Problem(f"{name!r} cannot need {wrong[0]!r}", place, hint, _CODE)
-    if not isinstance(cls.patience, (int, float)) or not cls.patience > 0:
+    if isinstance(cls.patience, bool) or not isinstance(cls.patience, (int, float)) or not cls.patience > 0:
         yield Problem(f"the patience of {name!r} cannot be {cls.patience!r}", place, "seconds: patience = 2.0", _CODE)
     try:
         declared = params_of(cls)

@@ -97,7 +97,7 @@ class Worker:
         """
         if not self.busy:
             return _NOTHING
-        left = self._since + self._limit - time.monotonic()
+        left = min(self._since + self._limit - time.monotonic(), threading.TIMEOUT_MAX)
         try:
             answer = self._answers.get(timeout=max(left, 0.001)) if wait else self._answers.get_nowait()
         except queue.Empty:

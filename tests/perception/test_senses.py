@@ -130,6 +130,13 @@ def test_a_source_that_fails_is_off_and_told_and_the_others_go_on(seen: Any, nam
         assert "is off" in watched.senses.unseen["flood"]
 
 
+@pytest.mark.parametrize("patience", ["1e300", "float('inf')"])
+def test_a_source_may_have_patience_without_end(workspace: Workspace, seen: Any, patience: str) -> None:
+    patient = SIGN.replace("DoorSign", "Patient").replace("rate = ", f"patience = {patience}; rate = ")
+    write(workspace.root, "patient.py", patient)
+    assert seen("patient").watch(0.1).times("sign")
+
+
 def test_what_is_never_published_says_why(seen: Any) -> None:
     watched = seen(["tracker", "door_sign"])
     assert watched.senses.unseen["target"] == "perception has not looked yet"
@@ -196,6 +203,10 @@ def test_wrong_names_and_parameters_are_told(workspace: Workspace, sources: Any,
         ("import nothing_here\n", r"wrong.py:4:1: error: the file of percept sources cannot be imported"),
         ("class A(PerceptSource): pass\n", r"wrong.py:4:1: error: the percept source 'a' has no look\(\)"),
         ("class A(PerceptSource):\n    rate = 30\n    def look(self, now): pass\n", "the rate of 'a' cannot be 30"),
+        (
+            "class A(PerceptSource):\n    patience = True\n    def look(self, now): pass\n",
+            "the patience of 'a' cannot be True",
+        ),
         ("class A(PerceptSource):\n    needs = 'camera'\n    def look(self, now): pass\n", "'a' cannot need 'camera'"),
         ("class A(PerceptSource):\n    needs = ('lidar',)\n    def look(self, now): pass\n", "'a' cannot need 'lidar'"),
         (
