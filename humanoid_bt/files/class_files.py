@@ -96,7 +96,8 @@ def class_place(cls: type) -> Place:
 
 def method_place(cls: type, name: str) -> Place:
     """Return where a method of a class begins; where the class is written if that is not known."""
-    code = getattr(vars(cls).get(name), "__code__", None)
+    method: Any = vars(cls).get(name)
+    code = getattr(inspect.unwrap(method), "__code__", None)
     path = class_file(cls)
     if code is None or path is None or code.co_filename != str(path):
         return class_place(cls)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,13 @@ from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import params_of
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.core.sources import NamedSource, Sources
+from humanoid_bt.core.texts import shortened
+from humanoid_bt.files.class_files import class_file, method_place, place_in_file
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.perception.source_files import TRACKER, load_sources
 from humanoid_bt.perception.tracker import Tracker
+from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.plant.scene_config import SceneConfig
 
 
@@ -33,6 +36,25 @@ class Chosen:
     cls: type[PerceptSource]
     values: Mapping[str, Any]
     names: tuple[str, ...]
+
+    def make(self, label: str, scene: Scene) -> PerceptSource:
+        """Return the source, not yet set up.
+
+        Args:
+            label: what it is called in the run.
+            scene: what surrounds the robot; its seed is that of the source's random numbers.
+
+        Raises:
+            UserError: its ``__init__`` raises.
+        """
+        try:
+            source = self.cls(**self.values)
+        except Exception as error:  # the source's code is the user's
+            raise UserError([_raised(self.name, self.cls, "__init__", error)]) from error
+        source.names, source.random = self.names, random_stream(scene.seed, "source", label)
+        if "scene" in self.cls.needs:
+            source.scene = scene
+        return source
 
 
 def labels(chosen: Sequence[Chosen]) -> list[str]:
@@ -96,7 +118,8 @@ def _published(
     last = [number for number, (_, cls, values) in enumerate(found) if cls is Tracker and not values["only"]]
     for number in sorted(range(len(found)), key=lambda number: number in last):
         one, cls, values = found[number]
-        own = [name for name in scene.percepts if name not in taken] if number in last else list(cls.publishes(values))
+        rest = number in last
+        own = [name for name in scene.percepts if name not in taken] if rest else _own(one.name, cls, values, problems)
         for name in own:
             if name in taken:
                 message = f"two sources publish the percept {name!r}: {taken[name].name!r} and {one.name!r}"
@@ -109,6 +132,30 @@ def _published(
             taken[name] = one
         names[number] = tuple(own)
     return [Chosen(one.name, cls, values, names[number]) for number, (one, cls, values) in enumerate(found)]
+
+
+def _own(name: str, cls: type[PerceptSource], values: Mapping[str, Any], problems: list[Problem]) -> list[str]:
+    """Return the percepts that a source says that it publishes."""
+    try:
+        given: Any = cls.publishes(values)
+        names = list(given) if isinstance(given, Iterable) else [given]
+    except Exception as error:  # the source's code is the user's
+        problems.append(_raised(name, cls, "publishes", error))
+        return []
+    if isinstance(given, str) or not all(isinstance(one, str) for one in names):
+        message = f"publishes() of the percept source {name!r} gave {shortened(repr(given), 80)}"
+        place = method_place(cls, "publishes")
+        problems.append(Problem(message, place, "a list of the percepts' names, which may be empty", "broken-source"))
+        return []
+    return list(dict.fromkeys(names))
+
+
+def _raised(name: str, cls: type[PerceptSource], method: str, error: Exception) -> Problem:
+    """Return what is told of a source whose method raised something."""
+    file = class_file(cls)
+    place = (place_in_file(error, file) if file else None) or method_place(cls, method)
+    message = f"the percept source {name!r} raised {type(error).__name__}: {error}"
+    return Problem(message, place, f"raised by its {method}", "broken-source")
 
 
 def refuse_blind(chosen: Sequence[Chosen], sources: Sources) -> None:

@@ -17,7 +17,7 @@ from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.perception.source import Moment
 from humanoid_bt.perception.source_files import TRACKER, whole_ticks
 from humanoid_bt.perception.worker import Worker
-from humanoid_bt.plant.scene import Scene, random_stream
+from humanoid_bt.plant.scene import Scene
 from humanoid_bt.robot.model import RobotModel
 
 Show = Callable[[float, Picture], object]
@@ -109,18 +109,15 @@ class Senses(Perception):
         """Set up every source.
 
         Raises:
-            UserError: one needs the camera, and there are no pictures.
+            UserError: one cannot be made, or needs the camera, and there are no pictures.
         """
+        named = labels(self._chosen)
+        made = [one.make(label, self._scene) for one, label in zip(self._chosen, named, strict=True)]
         if self._eyes is not None:
             self._eyes.open()
-        for number, (one, label) in enumerate(zip(self._chosen, labels(self._chosen), strict=True)):
-            source = one.cls(**one.values)
-            source.names = one.names
-            source.random = random_stream(self._scene.seed, "source", label)
-            if "scene" in one.cls.needs:
-                source.scene = self._scene
+        for number, (source, label) in enumerate(zip(made, named, strict=True)):
             worker = Worker(source, label, self._marks[number] if self._marks else None)
-            self._senses.append(_Sense(worker, self._ticks[number], one.cls.needs))
+            self._senses.append(_Sense(worker, self._ticks[number], source.needs))
             if why := self._off.get(label, ""):
                 worker.off = why
                 self._explain(worker)

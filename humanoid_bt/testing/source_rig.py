@@ -22,7 +22,7 @@ from humanoid_bt.perception.picture import Picture
 from humanoid_bt.perception.source import Moment, PerceptSource
 from humanoid_bt.perception.source_files import whole_ticks
 from humanoid_bt.perception.worker import looked
-from humanoid_bt.plant.scene import Scene, load_scene, random_stream
+from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.review.recording import open_recording
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
@@ -59,15 +59,13 @@ class SourceRig:
             values: its parameters, as in a scene file: 0.45, or text, "45 cm".
 
         Raises:
-            UserError: there is no such source, scene or parameter, or a file in ``perception/`` has mistakes.
+            UserError: there is no such source, scene or parameter, or a file in ``perception/`` has mistakes, or the
+                source's own ``__init__`` raises.
         """
         sources = written({source: values})
         around, _ = self._stand(scene, seed)
         (chosen,) = choose(sources, self.workspace, around.config)
-        made = chosen.cls(**chosen.values)
-        made.names, made.random = chosen.names, random_stream(seed, "source", chosen.name)
-        if "scene" in chosen.cls.needs:
-            made.scene = around
+        made = chosen.make(chosen.name, around)
         made.setup()
         return SourceTrial(made, source)
 

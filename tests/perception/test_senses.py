@@ -228,6 +228,29 @@ def test_mistakes_in_a_file_are_told_with_their_place(workspace: Workspace, text
     assert re.search(message, problems(workspace, "door_sign"))
 
 
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("return values['cup']", r"wrong.py:8:\d+: error: the percept source 'mine' raised KeyError: 'cup'"),
+        ("pass", r"wrong.py:6:5: error: publishes\(\) of the percept source 'mine' gave None \[broken-source\]"),
+        ("return 'cup'", "gave 'cup' .*\n.*a list of the percepts' names"),
+        ("return [3]", r"gave \[3\]"),
+        ("yield 1 / 0", "raised ZeroDivisionError: .*\n.*raised by its publishes"),
+    ],
+)
+def test_a_source_that_cannot_say_what_it_publishes_is_told(workspace: Workspace, body: str, message: str) -> None:
+    text = "class Mine(PerceptSource):\n    look = None\n    @classmethod\n    def publishes(cls, values):\n        "
+    write(workspace.root, "wrong.py", text + body)
+    assert re.search(message, problems(workspace, "mine"))
+
+
+def test_a_source_that_cannot_be_made_is_told(workspace: Workspace, seen: Any) -> None:
+    text = "class Mine(PerceptSource):\n    def __init__(self, **values):\n        self.x\n    look = None\n"
+    write(workspace.root, "wrong.py", text)
+    with pytest.raises(UserError, match=r"wrong.py:6:9: error: the percept source 'mine' raised AttributeError"):
+        seen("mine")
+
+
 def test_a_python_package_holds_no_sources(workspace: Workspace) -> None:
     write(workspace.root, "wrong.py", "x = 1\n")
     write(workspace.root, "__init__.py", "")
