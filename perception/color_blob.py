@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -42,7 +43,7 @@ class ColorBlob(PerceptSource):
 
     def setup(self) -> None:
         """Begin with nothing seen."""
-        self._seen: tuple[np.ndarray, float, Percept] | None = None  # where in the world, its radius, how
+        self._seen: tuple[Percept, float] | None = None  # in the world, and its radius
 
     def look(self, now: Moment) -> Iterable[Percept]:
         """Return the largest blob, if there is one, or where it is hidden."""
@@ -56,7 +57,8 @@ class ColorBlob(PerceptSource):
             return []
         seen, radius = self._percept(now.time, picture, rows, columns, whole * (1 - 0.5 * off / self.tolerance))
         if whole >= _WHOLE:
-            self._seen = base + turn @ seen.position, radius, seen
+            place, spread = base + turn @ seen.position, turn @ seen.covariance @ turn.T
+            self._seen = replace(seen, position=place, covariance=spread), radius
         return [seen]
 
     def _percept(
@@ -78,8 +80,8 @@ class ColorBlob(PerceptSource):
         """Return it where it was last well seen if something covers it there, None if nothing does."""
         if self._seen is None:
             return None
-        place, radius, last = self._seen
-        position = turn.T @ (place - base)
+        last, radius = self._seen
+        position = turn.T @ (last.position - base)
         depth, left, up = picture.rotation.T @ (position - picture.position)
         left_over = 1 - (time - last.stamp) / self.memory
         if depth < radius or left_over <= 0:
@@ -92,9 +94,8 @@ class ColorBlob(PerceptSource):
         disc = (rows - row) ** 2 + (columns - column) ** 2 <= around**2
         if not disc.any() or (picture.depth[disc] < depth + radius).mean() < _BEFORE:
             return None
-        return Percept(
-            self.target, time, position, last.confidence * left_over, class_name="ball", covariance=last.covariance
-        )
+        spread = turn.T @ last.covariance @ turn
+        return replace(last, stamp=time, position=position, confidence=last.confidence * left_over, covariance=spread)
 
     def _blob(self, picture: Picture) -> tuple[np.ndarray, np.ndarray, float]:
         """Return rows and columns of the largest blob of the colour, and how far its hue is from it [rad]."""

@@ -10,7 +10,7 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt import Moment, Percept, SourceRig, UserError
-from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.geometry import quaternion_product, rotation_matrix
 from tests.perception.opengl import opengl
 
 __all__ = ["opengl"]
@@ -94,6 +94,22 @@ def test_what_something_nearer_covers_stays_where_it_was_and_is_forgotten(source
     assert later.position == pytest.approx(first.position, abs=1e-6)
     assert later.confidence == pytest.approx(0.75 * first.confidence)
     assert not trial.look(disc(source_rig, 160, 110, 10, covered=1.2, time=5.0))
+
+
+def test_what_is_covered_stays_where_it_was_in_the_world_and_so_does_its_covariance(source_rig: SourceRig) -> None:
+    trial = source_rig.load("color_blob")
+    before, after = disc(source_rig, 160, 110, 10), disc(source_rig, 160, 110, 10, covered=1.2, time=1.0)
+    left = np.array(
+        [math.cos(math.pi / 12), 0.0, 0.0, math.sin(math.pi / 12)]
+    )  # so the base turns, and the eyes do not
+    turn = rotation_matrix(left)
+    eyes = replace(after.picture, position=turn.T @ after.picture.position, rotation=turn.T @ after.picture.rotation)
+    quaternion = quaternion_product(left, after.state.base_quaternion)
+    turned = replace(after, state=replace(after.state, base_quaternion=quaternion), picture=eyes)
+    first, later = trial.look(before)["target"], trial.look(turned)["target"]
+    old, new = rotation_matrix(before.state.base_quaternion), rotation_matrix(quaternion)
+    assert new @ later.position == pytest.approx(old @ first.position)
+    assert new @ later.covariance @ new.T == pytest.approx(old @ first.covariance @ old.T)
 
 
 def test_what_is_gone_is_not_published(source_rig: SourceRig) -> None:
