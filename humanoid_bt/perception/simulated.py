@@ -41,7 +41,7 @@ class SimulatedPerception(Perception):
         self._last_seen: dict[str, Array] = {}
         self._gone: set[str] = set()  # from where it was last seen
         self.names = list(scene.config.percepts)
-        self._unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
+        self._unseen = {name: _at_first(config) for name, config in scene.config.percepts.items()}
         self._looked = False  # the first look is whole: what sees anything at all has looked before the run
 
     @property
@@ -94,6 +94,11 @@ class SimulatedPerception(Perception):
             percepts.append(Percept(name, robot.time, in_base, confidence, size, heading))
         self._looked = True
         return percepts
+
+
+def _at_first(config: PerceptConfig) -> str:
+    """Return why something was never seen, as long as no look says why."""
+    return "every observation is dropped" if config.drop_out == 1 else "perception has not looked yet"
 
 
 def _corner_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfig) -> bool:

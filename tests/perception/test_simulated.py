@@ -174,6 +174,7 @@ def test_what_was_seen_before_does_not_change_later_noise(tmp_path: Path) -> Non
 def test_drop_outs_publish_nothing_and_remember_nothing(tmp_path: Path) -> None:
     perception = SimulatedPerception(scene(tmp_path, "[2, 0, 1]", "drop_out: 1"), 0)
     assert watch(perception, 1) == []
+    assert perception.unseen == {"target": "every observation is dropped"}
 
 
 def test_the_first_look_is_whole(tmp_path: Path) -> None:
