@@ -22,8 +22,11 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 """Both of them."""
 
-WORKSPACE = 1000.0
-"""Distance from the world's origin, along each axis, up to which a target can be [m]."""
+SIGHT = 1000.0
+"""Distance from the robot up to which something can be seen [m]."""
+
+WORKSPACE = SIGHT + 1000.0
+"""Distance from the world's origin, along each axis, up to which a target can be [m]: what a robot sees is one."""
 
 HEIGHT_OFFSET = 0.5
 """How far above or below its home height the centre of mass can be asked to be [m]."""

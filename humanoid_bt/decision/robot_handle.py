@@ -133,7 +133,7 @@ class RobotHandle:
         """Ask the robot to walk straight to a place and stand there; :class:`Route` goes round obstacles.
 
         Args:
-            position: shape (2,), middle between the feet, world frame [m]; at most 1000.
+            position: shape (2,), middle between the feet, world frame [m]; at most 2000.
             heading: world frame [rad]; a full turn more or less is the same.
 
         Raises:
@@ -170,7 +170,7 @@ class RobotHandle:
 
         Args:
             side: of the hand.
-            position: shape (3,) [m], at most 1000.
+            position: shape (3,) [m], at most 2000.
             orientation: of the palm's frame, whose x is along the fingers and whose z is where the palm faces:
                 quaternion wxyz, shape (4,), or rotation matrix, shape (3, 3).
             direction: where one axis of the palm is to point, shape (3,), of any length; in place of an orientation.
@@ -229,7 +229,7 @@ class RobotHandle:
         """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m].
 
         Raises:
-            ValueError: a number is not finite, or beyond 1000 m.
+            ValueError: a number is not finite, or beyond 2000 m.
         """
         self._set("gaze", GazeTarget(place(point, 3)))
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from humanoid_bt.core.errors import relative
-from humanoid_bt.core.messages import Array, Percept
+from humanoid_bt.core.messages import SIGHT, Array, Percept
 from humanoid_bt.core.texts import one_line, shortened
 from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.perception.interface import OLDEST
@@ -24,7 +24,6 @@ from humanoid_bt.perception.source import Moment, PerceptSource
 SETUP_PATIENCE = 60.0
 """How long a source may take to set itself up, on the wall clock [s]."""
 
-_FARTHEST = 1000.0  # m: what is farther away was told in millimetres
 _LONGEST = 300  # characters of what an exception says
 
 
@@ -226,8 +225,8 @@ def _checked(percept: Percept, time: float) -> Percept:
     position = numbers("position", (3,))
     if position is None:
         raise PerceptError(f"{what} has no position")
-    if (far := float(np.linalg.norm(position))) > _FARTHEST:
-        raise PerceptError(f"{what} is {far:g} m away: positions are in metres, at most {_FARTHEST:g} m from the base")
+    if (far := float(np.linalg.norm(position))) > SIGHT:  # it was told in millimetres
+        raise PerceptError(f"{what} is {far:g} m away: positions are in metres, at most {SIGHT:g} m from the base")
     for field in ("stamp", "confidence", "heading"):
         value = getattr(percept, field)
         if not isinstance(value, (int, float, np.floating, np.integer)) or not np.isfinite(value):

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
-from humanoid_bt.core.messages import WORKSPACE
+from humanoid_bt.core.messages import SIGHT, WORKSPACE
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read, unexplained
 from humanoid_bt.core.sources import Sources
@@ -26,7 +26,7 @@ ACTIONS = ("hide", "show", "move")
 MAX_THINGS = 1000
 """Most objects, and most percepts, of a scene."""
 
-_FARTHEST = 0.9 * WORKSPACE  # m from the origin, along each axis: there is room to walk on, and to look beyond
+_FARTHEST = 0.9 * (WORKSPACE - SIGHT)  # m from the origin, on each axis: there is room to walk on, and to look beyond
 _LONGEST_NAME = 200  # characters
 _SIZES: dict[Shape, str] = {
     "ball": "[diameter]",
@@ -112,7 +112,7 @@ class PerceptConfig:
     object: str = param(doc="The object that is seen.")
     noise: float = param(0.003, minimum=0, maximum=10, unit="m", doc="Standard deviation of each coordinate at 0 m.")
     noise_per_meter: float = param(0.004, minimum=0, maximum=1, doc="Growth of that deviation with distance [m/m].")
-    range: float = param(4.0, above=0, maximum=WORKSPACE, unit="m", doc="Farther away it is not seen.")
+    range: float = param(4.0, above=0, maximum=SIGHT, unit="m", doc="Farther away it is not seen.")
     field_of_view: float = param(1.745, above=0, maximum=6.2832, unit="rad", doc="Full horizontal angle (100 deg).")
     vertical_field_of_view: float = param(1.396, above=0, maximum=3.1416, unit="rad", doc="Full angle (80 deg).")
     drop_out: float = param(0.02, minimum=0, maximum=1, doc="Probability that an observation publishes nothing.")

@@ -11,7 +11,7 @@ import pytest
 
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
-from humanoid_bt.core.messages import RESOURCES, Percept, State
+from humanoid_bt.core.messages import RESOURCES, SIGHT, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 from tests.tree.helpers import make_robot, make_state, seen
@@ -127,10 +127,10 @@ def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[fl
     ("ask", "said"),
     [
         (lambda handle: handle.set_height(-1), "a target's height must be from -0.5 to 0.5 m, not -1"),
-        (lambda handle: handle.look_at((1e300, 0, 0)), "a target's position must be within 1000 m of the origin"),
-        (lambda handle: handle.walk_to((0, -1001), 0.0), "a target's position must be within 1000 m of the origin"),
+        (lambda handle: handle.look_at((1e300, 0, 0)), "a target's position must be within 2000 m of the origin"),
+        (lambda handle: handle.walk_to((0, -2001), 0.0), "a target's position must be within 2000 m of the origin"),
         (lambda handle: handle.walk_to((0, 0), math.inf), "a target must be finite, not inf"),
-        (lambda handle: handle.move_hand("left", (0, 0, 1e4)), "must be within 1000 m of the origin"),
+        (lambda handle: handle.move_hand("left", (0, 0, 1e4)), "must be within 2000 m of the origin"),
         (lambda handle: handle.move_hand("left", (0, 0, 1), press=60), "press must be from 0 to 50 N, not 60"),
         (lambda handle: handle.move_hand("left", (0, 0, 1), press=-1), "press must be from 0 to 50 N, not -1"),
     ],
@@ -143,6 +143,14 @@ def test_what_control_would_refuse_is_refused_where_it_is_asked_for(
     with pytest.raises(ValueError, match=said):
         ask(handle)
     assert not robot.commit().targets
+
+
+def test_what_can_be_seen_can_be_looked_at_from_wherever_the_robot_stands(robot: Robot) -> None:
+    robot.begin_tick(standing(900.0, 0.0, 0.0), {"ball": Percept("ball", 0.0, np.array([SIGHT, 0.0, 0.0]), 0.5)})
+    track = robot.track("ball")
+    assert track is not None
+    RobotHandle(robot, "t/look", ("gaze",)).look_at(track.position_world)
+    assert robot.commit().targets
 
 
 @pytest.mark.parametrize("turns", [-1, 1, 200])
