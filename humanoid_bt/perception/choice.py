@@ -67,6 +67,12 @@ def labels(chosen: Sequence[Chosen]) -> list[str]:
     return found
 
 
+def simulated(chosen: Sequence[Chosen]) -> list[str]:
+    """Return which sources, by label, look at the simulation: around a real robot nothing of it is there."""
+    named = zip(labels(chosen), chosen, strict=True)
+    return [label for label, one in named if one.names and not {"scene", "camera"}.isdisjoint(one.cls.needs)]
+
+
 def written(value: Any, what: str = "perception") -> Sources | None:
     """Return the sources that an argument names, None for None; raises UserError if it names none."""
     if value is None or isinstance(value, Sources):

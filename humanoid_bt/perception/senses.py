@@ -44,7 +44,7 @@ def new_perception(
         show: takes every picture that is made for the sources, None if nobody wants them.
         marks, off: as of :class:`Senses`.
     """
-    if [one.name for one in chosen] == [TRACKER] and set(chosen[0].names) == set(scene.config.percepts):
+    if [one.name for one in chosen] == [TRACKER] and not off and set(chosen[0].names) == set(scene.config.percepts):
         return SimulatedPerception(scene, scene.seed)  # trusted: it needs no thread
     return Senses(chosen, robot, scene, waits=waits, show=show, marks=marks, off=off)
 
@@ -94,7 +94,8 @@ class Senses(Perception):
         self.period = math.gcd(*ticks) * DECISION_PERIOD if waits else DECISION_PERIOD
         self.names = [name for one in chosen for name in one.names]
         self._ticks = ticks
-        sees = any("camera" in one.cls.needs for one in chosen)
+        works = [one for one, label in zip(chosen, labels(chosen), strict=True) if label not in off]
+        sees = any("camera" in one.cls.needs for one in works)
         self._eyes = Eyes(robot, scene) if sees else None
         self._senses: list[_Sense] = []
         self._news: list[tuple[Level, str]] = []

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from humanoid_bt.core.messages import State
+from humanoid_bt.core.messages import Level, State
 from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunFolder
@@ -20,7 +20,7 @@ from humanoid_bt.link.wire import (
     encode_percepts,
     encode_picture,
 )
-from humanoid_bt.perception.choice import choose, written
+from humanoid_bt.perception.choice import Chosen, choose, simulated, written
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.perception.senses import Show, new_perception
@@ -32,7 +32,7 @@ from humanoid_bt.realtime.side_process import take_part, turns
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 
-_UNSEEN = "the simulated tracker sees no real robot's surroundings: name other percept sources"
+_BLIND = "sees only what is simulated: a real robot needs other percept sources"
 _STATES = 64  # that are kept, to know what control believed at the time of a truth: 0.3 s
 
 
@@ -43,24 +43,21 @@ def run(folder: RunFolder) -> None:
         UserError: a source cannot begin.
     """
     spec = RunSpec.read(folder)
-    perception = _perception(spec, folder)
+    real = channels.is_real(folder)
+    scene = Scene(load_scene(Path(spec.scene)), spec.seed)
+    chosen = choose(written(spec.perception), Workspace(spec.workspace), scene.config)
+    blind = dict.fromkeys(simulated(chosen), _BLIND) if real else {}
+    perception = _perception(spec, folder, scene, chosen, blind)
     perception.start()
     truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
-    real = channels.is_real(folder)
     past: deque[State] = deque(maxlen=_STATES)
-    read, told = 0, False
+    read = 0
+    told: list[tuple[Level, str]] = [("warning", f"the percept source {label!r} {why}") for label, why in blind.items()]
     try:
         for _ in turns(folder, spec, perception.period):
             latest = (states if real else truths).latest()
             if latest is None:
-                continue
-            if real and spec.perception is None:
-                if perception.names and not told:
-                    names = ", ".join(map(repr, perception.names))
-                    news.write(encode_event(Event(decode_state(latest[1]).time, "warning", f"no {names}: {_UNSEEN}")))
-                    told = True
-                percepts.write(encode_percepts(Sight([], dict.fromkeys(perception.names, _UNSEEN))))
                 continue
             truth = truth_of(decode_state(latest[1])) if real else decode_truth(latest[1])
             if spec.perception is not None:
@@ -70,8 +67,9 @@ def run(folder: RunFolder) -> None:
             then = min(past, key=lambda state: abs(state.time - truth.time), default=None)
             seen = perception.observe(truth, then)
             percepts.write(encode_percepts(Sight(seen, perception.unseen)))
-            for level, text in perception.take_news():
+            for level, text in (*told, *perception.take_news()):
                 news.write(encode_event(Event(truth.time, level, text)))
+            told.clear()
     finally:
         perception.close()
 
@@ -87,14 +85,14 @@ def _shown(folder: RunFolder) -> Show:
     return show
 
 
-def _perception(spec: RunSpec, folder: RunFolder) -> Perception:
-    scene = Scene(load_scene(Path(spec.scene)), spec.seed)
-    if spec.perception is None:
+def _perception(
+    spec: RunSpec, folder: RunFolder, scene: Scene, chosen: Sequence[Chosen], blind: Mapping[str, str]
+) -> Perception:
+    if spec.perception is None and not blind:
         return SimulatedPerception(scene, spec.seed)  # it needs no robot, which takes a while to load
-    chosen = choose(written(spec.perception), Workspace(spec.workspace), scene.config)
     robot = RobotModel(load_robot_config(Path(spec.robot)))
     show = _shown(folder) if channels.has_pictures(folder) else None
-    marks, off = _marks(folder, len(chosen)), channels.off_sources(folder)
+    marks, off = _marks(folder, len(chosen)), {**channels.off_sources(folder), **blind}
     return new_perception(chosen, robot, scene, waits=False, show=show, marks=marks, off=off)
 
 

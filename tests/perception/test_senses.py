@@ -13,7 +13,7 @@ import pytest
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Percept, Truth
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.choice import choose, written
+from humanoid_bt.perception.choice import choose, simulated, written
 from humanoid_bt.perception.senses import Senses, new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.perception.source import Moment, PerceptSource
@@ -141,6 +141,21 @@ def test_what_is_never_published_says_why(seen: Any) -> None:
     watched = seen(["tracker", "door_sign"])
     assert watched.senses.unseen["target"] == "perception has not looked yet"
     assert "sign" not in watched.watch(0.1).senses.unseen
+
+
+def test_what_looks_at_the_simulation_is_known_and_publishes_nothing_when_it_is_off(
+    workspace: Workspace, robot: RobotModel
+) -> None:
+    scene = Scene(load_scene(workspace.find_scene("ball_on_stand")), 0)
+    chosen = choose(written(["tracker", {"color_blob": {"target": "ball"}}, "door_sign"]), workspace, scene.config)
+    blind = dict.fromkeys(simulated(chosen), "is blind")
+    assert sorted(blind) == ["color_blob", "tracker"]
+    for some in (chosen, chosen[:1]):
+        senses = new_perception(some, robot, scene, waits=True, off=blind)
+        senses.start()  # needs no picture
+        assert {percept.name for percept in senses.observe(here(0.0))} == {"sign"} & set(senses.names)
+        assert senses.unseen["target"] == "the percept source 'tracker' is off: it is blind"
+        senses.close()
 
 
 GOOD = Percept("cup", 1.0, np.array([1.0, 0, 0]), 0.5)

@@ -154,7 +154,7 @@ def test_a_robot_of_which_nobody_knows_the_truth_is_driven_too(
     run.process.wait(30)
     assert run.state.mode is Mode.RUN
     assert run.report["odometry"] is None
-    assert "no 'target': the simulated tracker sees no real robot's surroundings" in run.output
+    assert "the percept source 'tracker' sees only what is simulated: a real robot needs other" in run.output
 
 
 @pytest.mark.trials
