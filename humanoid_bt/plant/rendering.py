@@ -21,11 +21,12 @@ _MOST_GEOMS = 10_000
 _QUALITY = 80  # of JPEG
 _WIDTH = 320  # pixels
 _WIDEST = 2.4  # rad; a flat picture of a wider angle is all edges
+_NARROWEST = 0.1  # share of the picture's longer side that the shorter one has at least
 
 
 @dataclass(frozen=True)
 class View:
-    """What a camera has in the picture.
+    """What a camera has in the picture: all of two angles, and more of one that is very narrow beside the other.
 
     Attributes:
         body: that carries it, and is not in the picture; "" for none.
@@ -39,17 +40,24 @@ class View:
     @property
     def angle(self) -> float:
         """Angle from the top to the bottom of the picture [rad]."""
-        return min(self.vertical, _WIDEST)
+        return 2 * math.atan(self._halves[1])
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height of the picture [pixels]."""
-        return _WIDTH, round(_WIDTH * math.tan(self.angle / 2) / math.tan(min(self.horizontal, _WIDEST) / 2))
+        across, up = self._halves
+        return _WIDTH, round(_WIDTH * up / across)
 
     @property
     def focal(self) -> float:
         """Focal length [pixels]."""
         return self.size[1] / 2 / math.tan(self.angle / 2)
+
+    @property
+    def _halves(self) -> tuple[float, float]:
+        """Tangents of half the angles that are in the picture, horizontal and vertical."""
+        across, up = (math.tan(min(angle, _WIDEST) / 2) for angle in (self.horizontal, self.vertical))
+        return max(across, _NARROWEST * up), max(up, _NARROWEST * across)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -72,3 +73,17 @@ def test_a_choice_that_mujoco_does_not_load_with_is_told() -> None:
     first, second = done.stderr.splitlines()
     assert first.startswith("error: MuJoCo does not load with MUJOCO_GL=osmessa: ")
     assert "unset MUJOCO_GL" in second
+
+
+@pytest.mark.parametrize(
+    ("horizontal", "vertical", "size"),
+    [(1.745, 1.396, (320, 225)), (1.745, 0.001, (320, 32)), (0.001, 1.396, (320, 3200)), (0.001, 0.001, (320, 320))],
+)
+def test_a_picture_shows_all_of_a_view_however_narrow(
+    horizontal: float, vertical: float, size: tuple[int, int]
+) -> None:
+    view = View("", horizontal, vertical)
+    assert view.size == size
+    shown = [2 * math.atan(pixels / 2 / view.focal) for pixels in view.size]
+    assert shown[0] >= 0.99 * horizontal
+    assert shown[1] >= 0.99 * vertical
