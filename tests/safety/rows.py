@@ -16,7 +16,7 @@ from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.control.body.policy import inference
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import SIDES, BaseTarget, Command, HandTarget, Mode, Pause
+from humanoid_bt.core.messages import SIDES, BaseTarget, Command, HandTarget, Mode, Pause, Reading
 from humanoid_bt.plant.sensor_failures import FAILURES, FOOT_SENSORS
 from humanoid_bt.robot.policy.network import Network, Tensor
 from tests.safety.machine import Machine, Scripted, intact, resent, seconds
@@ -254,6 +254,20 @@ def joint_fails(how: str) -> Fault:
     return fault
 
 
+def joint_is_wild(machine: Machine, rng: np.random.Generator) -> None:
+    """Let a joint say speeds or torques that cannot be, while its angle is right."""
+    sensor, most = [("joint_velocity", 500.0), ("joint_torque", 3000.0)][rng.integers(2)]
+    joint, measure = rng.integers(len(machine.robot.joint_names)), machine.plant.measure
+
+    def wild(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        getattr(reading, sensor)[joint] = rng.uniform(-most, most)
+        return reading
+
+    machine.plant.measure = wild  # type: ignore[method-assign]  # of this plant alone
+    machine.undo.append(lambda: setattr(machine.plant, "measure", measure))
+
+
 def foot_fails(how: str) -> Fault:
     """Let the force sensor of a foot fail."""
 
@@ -318,6 +332,7 @@ ROWS = {
         Row("knocked over, 600 N for 0.2 s", knocked_over, (DAMP,), "a reset, back on its feet", 2.0, stands=False),
         *(Row(f"a sensor of the IMU {how}", imu_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
         *(Row(f"the sensors of a joint {how}", joint_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
+        Row("a joint's speed or torque cannot be", joint_is_wild, (PROTECT,), "the run's end"),
         Row("the whole IMU silent", blind_to_itself, (PROTECT,), "the run's end", promised=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
         Row("a hand pushed, 60 N for 0.2 s", arm_pushed, (), "the hand let go of", lasts=1.0, releases=True),

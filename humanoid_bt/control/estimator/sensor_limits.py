@@ -17,6 +17,8 @@ _WILD = 50.0  # m/s^2 from look to look, more than of feet that land hard
 _DRIFT = 0.03  # rad that gyro and orientation disagree in two looks
 _SAME, _SAME_NOISES = 0.006, 6.0  # rad, and times its noise, that they may disagree in one look in which the gyro jumps
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
+_BLOWS = 2.0  # times as fast as that: in a blow of 300 N on a hand half as much is seen
+_TORQUES = 2.0  # times its limit that a drive may say it applies
 _NOISES = 10.0  # times its noise that a sensor may change in any case: 7 standard deviations of the difference
 _PULLS, _BEARS = 0.1, 10.0  # times the weight that a foot cannot pull, or bear; of a robot that was pushed, 4.5
 _STILL = 8  # looks; in one of 14 a foot in the air says the same as in the one before
@@ -32,6 +34,7 @@ class SensorLimits:
     Attributes:
         most: that a number changes from look to look.
         least: by more than that it does, in the order of a reading; less than 0 where it may stay the same.
+        rates: the largest speeds and torques of joints, in the order of a reading, shape (2 nj,).
         wild: m/s^2 from look to look, by more than that an accelerometer is doubted at once.
         drift: rad that gyro and orientation disagree in two looks.
         same: rad that they do in one in which the gyro jumps, if it is right.
@@ -51,6 +54,9 @@ class SensorLimits:
         self.most.orientation[:] = max(_ORIENTATION_JUMP, _NOISES * orientation.noise) / 2  # of a quaternion's numbers
         fast = _SPEEDS * robot.speed_limit * ESTIMATE_PERIOD + _SLACK
         self.most.joint_position[:] = np.maximum(fast, _NOISES * encoders.noise)
+        speeds = _BLOWS * fast / ESTIMATE_PERIOD + _NOISES * encoders.speed_noise
+        torques = _TORQUES * robot.torque_limit + _NOISES * (encoders.torque_noise + encoders.torque_bias)
+        self.rates: Array = np.concatenate([speeds, torques])
         least = Reading(joints)  # IMU, speeds, torques: they hardly ever say the same twice
         least.values[:] = -1.0
         least.rates[:] = least.orientation[:] = 0.0

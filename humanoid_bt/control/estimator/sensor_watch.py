@@ -16,7 +16,7 @@ _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is prom
 _JUMPS_AFTER = {"gyro": 2, "accelerometer": 4, "orientation": 2}  # looks in which it jumps: a blow rings for two
 _SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
 _COMPARED_EVERY, _DRIFTS_AFTER = 2, 2  # looks; times that gyro and orientation disagree
-_FOOT_WRONG_AFTER = 2  # looks
+_WRONG_AFTER = 2  # looks in which a joint or a foot says what cannot be
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _IMU = ("gyro", "accelerometer", "orientation")
 _MOST_NAMED = 4  # of what failed at the same time
@@ -49,6 +49,7 @@ class SensorWatch:
         self._leap: Array = np.zeros(6)  # how much that has changed
         self._still: Array = np.zeros(2)  # looks in which each foot has said the same
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
+        self._wrong: Array = np.zeros(joints)  # such looks of each joint
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
         self.suspicious = False
@@ -66,7 +67,7 @@ class SensorWatch:
     def reset(self, reading: Reading) -> None:
         """Begin with sensors that work."""
         self._counts.clear()
-        for array in (self._silent, self._frozen, self._dead, self.bad_joints, self._still):
+        for array in (self._silent, self._frozen, self._wrong, self._dead, self.bad_joints, self._still):
             array[:] = 0
         self.suspicious = False
         self.failed.clear()
@@ -86,7 +87,7 @@ class SensorWatch:
         self._mean[:] = rates[:6]
         self._compare_from(reading)
         self.doubted.clear()
-        self._doubt_joints(self._silent_joints(reading, rates))
+        self._doubt_joints(self._silent_joints(reading, rates) | self._wrong_joints(reading, rates))
         self._doubt_feet(reading)
         self.suspicious = self.suspicious or self.any_bad or self.bad_feet
 
@@ -102,7 +103,7 @@ class SensorWatch:
         values, before, limits = reading.values, self._before.values, self._limits
         usual = _usual(
             values, before, limits.most.values, limits.least, self._moved.values,
-            rates, self._mean, limits.most.imu, self._leap, time, self._turned, self._still, limits.feet,
+            rates, self._mean, limits.most.imu, self._leap, limits.rates, time, self._turned, self._still, limits.feet,
         )  # fmt: skip
         if self.suspicious or not usual:
             self._look_closer(reading, rates, time, upright)
@@ -129,7 +130,7 @@ class SensorWatch:
         self._look_at_joints(reading, rates, upright)
         if self._limits.feels:
             self._look_at_feet(reading, upright)
-        counted = bool(self._counts) or bool(self._silent.any() or self._frozen.any())
+        counted = bool(self._counts) or any(looks.any() for looks in (self._silent, self._frozen, self._wrong))
         self.suspicious = counted or bool(self.doubted) or self.any_bad or self.bad_feet
 
     def _doubt_imu(self, turned_so: bool, shaken: bool, upright: bool) -> None:
@@ -185,7 +186,7 @@ class SensorWatch:
             self._count(self._failed_feet, name, "is silent", silent, _SILENT_AFTER)
             self._count(self._failed_feet, name, "is frozen", still >= never_still, 1)
             wrong = upright and (force <= least or force >= most)
-            self._count(self._failed_feet, name, "says what no foot bears", wrong, _FOOT_WRONG_AFTER)
+            self._count(self._failed_feet, name, "says what no foot bears", wrong, _WRONG_AFTER)
         self._doubt_feet(reading)
 
     def _doubt_feet(self, reading: Reading) -> None:
@@ -198,30 +199,39 @@ class SensorWatch:
         torques = rates[-len(self._names) :]
         return np.asarray(~np.isfinite(reading.joint_position + reading.joint_velocity + torques))
 
-    def _doubt_joints(self, silent: NDArray[np.bool_]) -> None:
-        np.logical_or(self._dead, silent, out=self.bad_joints)
+    def _wrong_joints(self, reading: Reading, rates: Array) -> NDArray[np.bool_]:
+        """Return which joints say a speed or torque that cannot be, shape (nj,)."""
+        most = self._limits.rates
+        wrong = (np.abs(reading.rates[6:]) > most) | (np.abs(rates[6:]) > most)
+        return np.asarray(wrong.reshape(2, -1).any(axis=0))
+
+    def _doubt_joints(self, doubtful: NDArray[np.bool_]) -> None:
+        np.logical_or(self._dead, doubtful, out=self.bad_joints)
         self.any_bad = bool(self.bad_joints.any())
 
     def _look_at_joints(self, reading: Reading, rates: Array, upright: bool) -> None:
         moved = self._moved
-        silent = self._silent_joints(reading, rates)
+        silent, wrong = self._silent_joints(reading, rates), self._wrong_joints(reading, rates)
         same = (moved.joint_position == 0) & (moved.joint_velocity == 0) & (moved.joint_torque == 0)
         jumped = (moved.joint_position > self._limits.most.joint_position) & ~silent & upright
         self._silent[:] = (self._silent + 1) * silent
         self._frozen[:] = (self._frozen + 1) * (same & ("joints" in self._limits.flickers))
+        self._wrong[:] = np.where(wrong & upright, self._wrong + 1.0, np.maximum(self._wrong - _FORGET, 0.0))
         for joints, how in (
             (self._silent >= _SILENT_AFTER, "are silent"),
             (self._frozen >= _FROZEN_AFTER, "are frozen"),
+            (self._wrong >= _WRONG_AFTER, "say what cannot be"),
             (jumped, "jumped"),
         ):
             for joint in np.flatnonzero(joints & ~self._dead):
                 self._found.append(f"the sensors of {self._names[joint]} {how}")
             self._dead |= joints
-        self._doubt_joints(silent)
+        self._doubt_joints(silent | wrong)
 
 
 @compiled(
-    "b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1])"
+    "b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8, f8[::1], f8[::1], f8[::1])"
 )
 def _usual(
     values: Array,
@@ -233,12 +243,13 @@ def _usual(
     mean: Array,
     most_leap: Array,
     leap: Array,
+    most_rates: Array,
     time: float,
     turned: Array,
     still: Array,
     foot_limits: Array,
 ) -> bool:
-    """Return whether every number has changed by no more than the most and by more than the least.
+    """Return whether every number can be, and has changed by no more than the most and by more than the least.
 
     Args:
         values, before: of two looks.
@@ -248,6 +259,7 @@ def _usual(
         mean: those of the IMU before; becomes the ones now.
         most_leap: by which these usually change.
         leap: is written: how much they have.
+        most_rates: the largest speeds and torques of joints, shape (2 nj,).
         time: between the looks [s].
         turned: how far the angular velocity has turned the base is added to it.
         still: looks in which each foot has said the same.
@@ -263,8 +275,10 @@ def _usual(
         leap[place] = way
         mean[place] = rates[place]
         usual = usual and way <= most_leap[place]
-    for place in range(6, len(rates)):
-        usual = usual and math.isfinite(rates[place])
+    first = len(values) - len(most_rates)
+    for place in range(len(most_rates)):
+        most_rate = most_rates[place]
+        usual = usual and abs(rates[6 + place]) <= most_rate and abs(values[first + place]) <= most_rate
     for foot in range(2):
         still[foot] = still[foot] + 1 if moved[foot] == 0 else 0
         usual = usual and foot_limits[0] < values[foot] < foot_limits[1] and still[foot] < foot_limits[2]

@@ -15,6 +15,7 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.sensor_config import AccelerometerConfig, EncoderConfig, FootForceConfig, OrientationConfig
 from tests.control.control_rig import ControlRig
 
+BETWEEN_LOOKS, IN_A_LOOK = 302, 305  # cycles
 WALK = {"base": BaseTarget(np.array([2.0, 0.3]), 0.0)}
 FAILURES = {
     ("gyro", "frozen"): "the gyro is frozen",
@@ -93,6 +94,7 @@ def test_a_robot_that_walks_stops_and_stands_without_a_force_sensor(feeling: Con
         ("orientation", OrientationConfig(noise=0.02)),
         ("accelerometer", AccelerometerConfig(noise=10.0)),
         ("encoders", EncoderConfig(noise=0.03)),
+        ("encoders", EncoderConfig(speed_noise=1.0, torque_noise=10.0, torque_bias=1.0)),
     ],
 )
 def test_noise_that_the_robots_file_tells_of_is_no_failure(
@@ -104,17 +106,25 @@ def test_noise_that_the_robots_file_tells_of_is_no_failure(
 
 
 @pytest.mark.parametrize(
-    ("sensor", "place", "value"),
-    [("gyro", 0, 35.0), ("gyro", 1, 1e6), ("accelerometer", 0, 500.0), ("joint_torque", 20, np.nan)],
+    ("sensor", "place", "value", "cycle"),
+    [
+        ("gyro", 0, 35.0, BETWEEN_LOOKS),
+        ("gyro", 1, 1e6, BETWEEN_LOOKS),
+        ("accelerometer", 0, 500.0, BETWEEN_LOOKS),
+        ("joint_torque", 20, np.nan, BETWEEN_LOOKS),
+        ("joint_torque", 25, 300.0, BETWEEN_LOOKS),
+        ("joint_velocity", 25, 1e3, IN_A_LOOK),
+        ("joint_velocity", 3, 1e300, IN_A_LOOK),
+    ],
 )
-def test_one_wrong_reading_between_two_looks_does_no_harm(
-    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, sensor: str, place: int, value: float
+def test_one_wrong_reading_does_no_harm(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, sensor: str, place: int, value: float, cycle: int
 ) -> None:
     measure = rig.plant.measure
 
     def wrong_once(into: Reading | None = None) -> Reading:
         reading = measure(into)
-        if rig.controller.cycle == 302:
+        if rig.controller.cycle == cycle:
             getattr(reading, sensor)[place] = value
         return reading
 
@@ -125,7 +135,30 @@ def test_one_wrong_reading_between_two_looks_does_no_harm(
     assert 2 * np.abs(off[0]).max() < 0.015
     assert np.abs(off[1]).max() < 0.1
     assert np.isfinite(list(estimator.contact.forces.values())).all()
+    assert not rig.controller.supervisor.touch.yielding
     assert rig.state.mode is Mode.RUN
+
+
+@pytest.mark.parametrize("joint", ["left_knee", "right_elbow"])
+@pytest.mark.parametrize(("sensor", "most"), [("joint_velocity", 500.0), ("joint_torque", 3000.0)])
+def test_a_joint_whose_speed_or_torque_cannot_be_is_noticed(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, joint: str, sensor: str, most: float
+) -> None:
+    measure, rng, place = rig.plant.measure, np.random.default_rng(0), rig.robot.joint(joint)
+
+    def wild(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        if rig.controller.cycle > 300:
+            getattr(reading, sensor)[place] = rng.uniform(-most, most)
+        return reading
+
+    monkeypatch.setattr(rig.plant, "measure", wild)
+    rig.run(0.4, {})
+    (stop,) = rig.controller.supervisor.stops
+    assert stop.reason == f"a sensor failed: the sensors of {joint} say what cannot be"
+    assert stop.mode is Mode.PROTECTIVE_STOP
+    assert stop.time <= 0.35
+    assert not rig.controller.supervisor.touch.yielding
 
 
 @pytest.mark.trials
