@@ -226,10 +226,11 @@ class LearnedBody:
             wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
         else:
             wanted[VIEW] = wanted["gaze"] and not self._robot.config.neck
-        planned = self.kinematics.joints
-        for joint in lending.update(wanted, planned - self._home):
-            planned[joint] = estimate.qpos[BASE_COORDINATES + joint]  # it begins where it is: no jump
-            self._posture.joints[joint] = planned[joint]
+        planned, share = self.kinematics.joints, lending.share
+        if fresh := lending.update(wanted, planned - self._home):  # they begin where they are, or are on their way
+            measured = estimate.qpos[BASE_COORDINATES:]
+            planned[fresh] = np.where(share > 0, self._together(share), measured)[fresh]
+            self._posture.joints[fresh] = planned[fresh]
 
     def _plan(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> None:
         lending, lent, weights = self.lending, self.lending.joints, self._robot.config.whole_body
@@ -274,20 +275,26 @@ class LearnedBody:
 
     def _setpoint(self) -> Setpoint:
         """Return what the network and inverse kinematics make together."""
-        share, planned = self.lending.share, self.kinematics
-        position: Array = self._home.copy()
-        position[self._moved] = self.walker.targets
+        lent, share = self.lending.joints, self.lending.share
+        position = self._together(share)
         velocity: Array = np.zeros(len(position))
         torque: Array = np.zeros(len(position))
-        lent = self.lending.joints
         if len(lent):
-            part = share[lent]
-            position[lent] += part * (planned.joints[lent] - position[lent])
-            velocity[lent] = part * planned.velocity[lent]
-            torque[lent] = part * self.dynamics.bias[BASE_DOFS:][lent]
+            velocity[lent] = share[lent] * self.kinematics.velocity[lent]
+            torque[lent] = share[lent] * self.dynamics.bias[BASE_DOFS:][lent]
             self.arms.carry(torque)
         stiffness, damping = self._gains()
         return Setpoint(position, velocity, torque, stiffness, damping)
+
+    def _together(self, share: Array) -> Array:
+        """Return the angles that network and inverse kinematics make together, shape (nj,) [rad].
+
+        Args:
+            share: how far each joint is lent, shape (nj,).
+        """
+        position: Array = self._home.copy()
+        position[self._moved] = self.walker.targets
+        return position + share * (self.kinematics.joints - position)
 
     def _gains(self) -> tuple[Array, Array]:
         """Return stiffness and damping: the policy's, and of lent arms and neck those of ``robot.yaml``."""

@@ -73,7 +73,7 @@ class Lending:
         return self._shares[group] > 0
 
     def update(self, wanted: Mapping[str, bool], away: Array) -> list[int]:
-        """Lend what is wanted, give back what is not; return the joints that were not lent before.
+        """Lend what is wanted, give back what is not; return the joints that were not, or no more, lent wholly.
 
         Args:
             wanted: group -> whether somebody wants it.
@@ -86,7 +86,7 @@ class Lending:
         for group, joints in self.groups.items():
             before = self._shares[group]
             if wanted.get(group) and joints:
-                fresh += [joint for joint in joints if self.share[joint] == 0]
+                fresh += [joint for joint in joints if self.share[joint] < 1]
                 self._shares[group] = 1.0
             elif before and (group in (WAIST, VIEW) or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
                 time = _WAIST_BACK_TIME if group in (WAIST, VIEW) else _BACK_TIME

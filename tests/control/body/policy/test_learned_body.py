@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from pathlib import Path
 from threading import Event
 
 import numpy as np
@@ -29,11 +30,16 @@ pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip
 PLACE = np.array([0.35, 0.2, 0.95])
 
 
+def standing_rig(folder: Path, robot: RobotModel, standing: Array, lend: str = "{}") -> ControlRig:
+    path = write_standing_robot(folder, robot.joint_names, standing[BASE_COORDINATES:])
+    with (folder / "stand.policy.yaml").open("a") as description:
+        description.write(f"lend: {lend}\n")
+    return ControlRig(*load_robot(path))
+
+
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory, robot: RobotModel, standing: Array) -> ControlRig:
-    folder = tmp_path_factory.mktemp("stands")
-    path = write_standing_robot(folder, robot.joint_names, standing[BASE_COORDINATES:])
-    return ControlRig(*load_robot(path))
+    return standing_rig(tmp_path_factory.mktemp("stands"), robot, standing)
 
 
 @pytest.fixture
@@ -108,6 +114,20 @@ def test_nothing_jumps_when_an_arm_is_lent_and_given_back(rig: ControlRig) -> No
     rig.run(3, {"left_hand": HandTarget(PLACE)}, cycle=note)
     rig.run(4, {}, cycle=note)
     assert max(steps) < 0.03, f"a joint's setpoint jumped by {max(steps):.3f} rad in a period"
+
+
+def test_a_waist_that_is_wanted_again_while_it_is_given_back_stays_where_it_is(
+    tmp_path: Path, robot: RobotModel, standing: Array
+) -> None:
+    rig = standing_rig(tmp_path, robot, standing, "{waist: ['waist_*']}")
+    waist = body_of(rig).lending.groups[WAIST]
+    rig.run(1.5, {"right_hand": HandTarget(np.array([0.55, -0.1, 0.6]))})
+    rig.run(0.3, {})
+    on_its_way = rig.controller.servo.position[waist].copy()
+    assert np.abs(on_its_way - standing[BASE_COORDINATES:][waist]).max() > 0.02
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    rig.run(0.1, {})
+    assert rig.controller.servo.position[waist] == pytest.approx(on_its_way, abs=0.005)
 
 
 def test_the_policy_is_told_that_lent_joints_are_at_home(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
