@@ -83,6 +83,8 @@ class LearnedBody:
         self._home: Array = robot.home_qpos[BASE_COORDINATES:].copy()
         self._posture = PostureReference(self._home, dt)
         self._held = {side: ArmReference(names, config.whole_body, dt) for side in _sides(robot)}
+        lent = self.lending.groups
+        self._lent_wholly = {side for side in self._held if lent[f"{side}_hand"] == robot.arm_joints(side)}
         neck_range = 0.0
         if config.neck:
             yaw = robot.joint(config.neck.yaw)
@@ -184,6 +186,7 @@ class LearnedBody:
         self.velocity.note(self.com_speed, self._dt)
         hold_hands = hold or not self.kinematics.solved
         self.arms.update(estimate.qpos, self._contact, targets)
+        self.arms.homeward &= self._lent_wholly  # the walker brings others home by itself
         goal = None if hold else _goal(targets)
         walks = goal is not None and self.velocity.goes(goal, self._stance)
         self._lend(estimate, targets, hold_hands, walks)

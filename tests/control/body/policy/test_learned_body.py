@@ -130,6 +130,16 @@ def test_a_waist_that_is_wanted_again_while_it_is_given_back_stays_where_it_is(
     assert rig.controller.servo.position[waist] == pytest.approx(on_its_way, abs=0.005)
 
 
+def test_an_arm_that_is_not_lent_is_stiff_again_after_a_push(
+    tmp_path: Path, robot: RobotModel, standing: Array
+) -> None:
+    rig = standing_rig(tmp_path, robot, standing, "{joints: []}")
+    rig.run(0.2, {})
+    rig.plant.push("right_hand", np.array([0.0, -60.0, 0.0]), 0.1)
+    assert rig.run(0.5, {}, until=lambda state: bool(state.contacts) and state.contacts["right_arm"].yields)
+    assert rig.run(8.0, {}, until=lambda _: rig.controller.body.arms.stiffness is None)
+
+
 def test_the_policy_is_told_that_lent_joints_are_at_home(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
     rows: list[Tensor] = []
     run = Network.run
