@@ -79,6 +79,7 @@ class VelocityReference:
         self._goes = self._moves = self._quiet = False
         self._stopped_for = _COMES_TO_REST  # s
         self._insists: Array = np.zeros(3)  # m/s ahead and to the left, rad/s
+        self._insists_on: Array = np.zeros(3)  # the place of which that is
         self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
         self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
         self._stopped_at: Array | None = None  # while it comes to rest
@@ -106,6 +107,7 @@ class VelocityReference:
         wanted = np.zeros(3)
         if goal is None:
             self._goes, self._stopped_at = False, None
+            self._insists[:] = 0.0
         else:
             wanted = self._toward(goal, stance)
         step = _SLEW * self._dt
@@ -150,6 +152,8 @@ class VelocityReference:
     def _toward(self, goal: Array, stance: Array) -> Array:
         limits = self._limits
         before, at = self._goes, stance
+        if _is_beyond(LEAVES, goal, self._insists_on):
+            self._insists_on, self._insists = goal, np.zeros(3)
         if before:
             stance = ahead(stance, *self._will_slide.tolist())
         self._goes = self.goes(goal, stance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -141,3 +142,16 @@ def test_it_does_not_insist_on_a_turn_that_has_only_begun(velocity: VelocityRefe
     rates = [velocity.update(goal, np.zeros(3)).item(2) for _ in range(round(2 / DT))]
     assert 0.1 < rates[-1] < 0.9
     assert rates[len(rates) // 2] == rates[-1]
+
+
+@pytest.mark.parametrize("stops", [True, False])
+def test_it_does_not_insist_on_a_place_to_which_it_is_not_sent_any_more(
+    velocity: VelocityReference, stops: bool
+) -> None:
+    stance = walk(velocity, np.array([0.4, 0.0, 0.0]), 1.5, obeys=0.2)
+    if stops:
+        velocity.update(None, stance)
+    behind = ahead(stance, -0.2, 0.0, 0.0)
+    commands = [velocity.update(behind, stance).item(0) for _ in range(round(0.6 / DT))]
+    assert commands[-1] < -0.2
+    assert all(later <= sooner for sooner, later in pairwise(commands))
