@@ -12,10 +12,13 @@ _SPEED = 0.1  # m/s at most, of the palm before and while it presses
 _TOUCHES = 4.0  # N against the palm's way that count as touching
 _RISE = 20.0  # N/s of the force that it presses with: the body has to lean against it meanwhile
 _GAIN = 0.006  # m/s that it presses on for every newton that is missing
+_ELSEWHERE = 0.05  # m from a target to another one for which it begins anew
 
 
 class Press:
     """The reference of a palm that presses: admittance along the way to its target.
+
+    Once it touches something it keeps to that way, until it is to press elsewhere.
 
     Args:
         dt: control period [s].
@@ -24,6 +27,7 @@ class Press:
     def __init__(self, dt: float) -> None:
         self._dt = dt
         self._point: Array | None = None
+        self._target: Array = np.zeros(3)  # for which it has begun
         self._way: Array = np.zeros(3)
         self._touches = False
         self._asked = _TOUCHES  # with how much it is to press by now [N]
@@ -41,8 +45,9 @@ class Press:
             palm: where it is planned to be, shape (3,), world frame [m].
             force: what pushes it, world frame, shape (3,) [N].
         """
-        if self._point is None:
-            self._point, self._touches, self._asked = palm.copy(), False, _TOUCHES
+        if self._point is None or math.dist(target, self._target) > _ELSEWHERE:
+            self._point, self._target = palm.copy(), target.copy()
+            self._touches, self._asked = False, _TOUCHES
         rest = target - self._point
         length = math.sqrt(rest @ rest)
         if not self._touches and length > 0.0:
@@ -52,6 +57,8 @@ class Press:
         speed = _SPEED
         if self._touches:
             self._asked = min(self._asked + _RISE * self._dt, wanted)
-            speed = min(_GAIN * (self._asked - pressed), _SPEED)
-        self._point = self._point + self._way * min(max(speed, -_SPEED) * self._dt, float(rest @ self._way))
+            speed = _GAIN * (self._asked - pressed)
+        step = min(speed * self._dt, float(rest @ self._way))
+        most = _SPEED * self._dt
+        self._point = self._point + self._way * min(max(step, -most), most)
         return self._point

@@ -19,3 +19,17 @@ def test_it_presses_harder_no_faster_than_the_body_leans() -> None:
     assert max(np.diff(felt[round(0.2 / DT) :])) < 25 * DT
     assert felt[-1] == pytest.approx(50, abs=1)
     assert max(felt) < 51
+
+
+def test_it_begins_anew_for_another_target_and_moves_no_faster_than_ever() -> None:
+    press, point, touches = Press(DT), np.zeros(3), np.array([-10.0, 0.0, 0.0])
+    for target, force, meets in (
+        ([0.3, 0.0, 0.0], touches, False),
+        ([0.0, 0.3, 0.0], np.zeros(3), True),
+        ([0.0, 0.26, 0.0], touches, True),  # nearer than where it is
+        ([-0.2, 0.0, 0.0], np.zeros(3), True),
+    ):
+        for _ in range(round(5 / DT)):
+            before, point = point, press.aim(np.array(target), 10.0, point, force)
+            assert np.linalg.norm(point - before) <= 0.1 * DT + 1e-9
+        assert (np.linalg.norm(point - target) < 1e-6) == meets
