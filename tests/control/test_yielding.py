@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,18 @@ def test_an_arm_moves_away_from_what_pushed_it_before_it_goes_home(rig: ControlR
     stopped = rig.state.hands["right"]
     rig.run(1.0, {})
     assert rig.state.hands["right"] == pytest.approx(stopped, abs=0.03)  # a robot that is stopped moves no arm
+
+
+@pytest.mark.parametrize("stiffness", [0.9, 1.0])
+def test_an_arm_that_yields_stiffly_moves_again(robot: RobotModel, standing: Array, stiffness: float) -> None:
+    contact = replace(robot.config.contact, stiffness=stiffness)
+    rig = ControlRig(RobotModel(replace(robot.config, contact=contact)), standing)
+    rig.run(0.5, HAND)
+    rig.plant.push("right_hand", np.array([0.0, -60.0, 0.0]), 0.1)
+    assert rig.run(0.5, HAND, until=lambda state: bool(state.contacts) and state.contacts["right_arm"].yields)
+    assert rig.run(2.0, {}, until=lambda state: not state.contacts)
+    up = {"right_hand": HandTarget(np.array([0.3, -0.25, 1.15]))}
+    assert rig.run(3.0, up, until=lambda state: state.hand_errors.get("right", 1.0) < 0.01)
 
 
 def test_an_arm_that_is_wanted_elsewhere_does_not_go_home_first(rig: ControlRig) -> None:

@@ -132,7 +132,7 @@ class YieldingArms:
                 most = _HOMEWARD if side in self.homeward else 1.0
                 self._shares[side] = approach(self._shares[side], most, self._dt / _STIFFEN_TIME)
             stiffness[joints] = np.maximum(self._shares[side], self._stopped(joints, qpos[BASE_COORDINATES:][joints]))
-            if self._shares[side] == 1.0:
+            if self._shares[side] == 1.0 and side not in sides and side not in self._taken_up:
                 del self._shares[side]
         self.stiffness = stiffness if self._shares else None
 
