@@ -34,6 +34,7 @@ class RecordedRun:
         ended: whether it says how it ended.
         outcome, reason: how, and why.
         tree_ended: engine time at which the tree ended [s], infinity if that is not known.
+        rested: whether it went on after that, and waited for an edit.
         edited: engine time of the first edit of the tree [s], infinity for none.
         estops: servo cycle, source and reason of every emergency stop.
         inputs: what else came from outside; what was done to the tree has the time of the tick that it was done before.
@@ -51,6 +52,7 @@ class RecordedRun:
     outcome: str = ""
     reason: str = ""
     tree_ended: float = math.inf
+    rested: bool = False
     edited: float = math.inf
     estops: tuple[tuple[int, str, str], ...] = ()
     inputs: tuple[Input, ...] = ()
@@ -75,6 +77,7 @@ def recorded_run(log: FlightLog) -> RecordedRun:
         outcome=end["outcome"] if end else "",
         reason=end["reason"] if end else "",
         tree_ended=math.inf if ended is None else ended,
+        rested=log.setup.get("watch") is True and end is not None and end["outcome"] in ("success", "failure"),
         edited=next((one.time for one in news if one.kind == "tree"), math.inf),
         estops=tuple(
             (cycles(stop["time"]), stop["source"], stop["reason"])

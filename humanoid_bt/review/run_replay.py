@@ -85,11 +85,13 @@ def run_again(log: FlightLog, run: RecordedRun, files: RecordedFiles) -> Done:
 def _broken_off(log: FlightLog, run: RecordedRun) -> tuple[float, str]:
     """Return the engine time [s] up to which a run can be run again, and why no longer; infinity, "" for all of it."""
     paused = next((tick.state.time for tick in log.ticks() if is_paused(tick)), math.inf)
-    until = min(run.edited, paused)
-    if until == math.inf:
-        return math.inf, ""
-    what = "the tree was edited" if run.edited < paused else "somebody paused the run"
-    return until, f"{what} at {until:.2f} s: the rest is not compared"
+    rested = run.tree_ended + _AT if run.rested else math.inf
+    until, what = min(
+        (run.edited, "the tree was edited"),
+        (paused, "somebody paused the run"),
+        (rested, "the run went on after its tree, which ended"),
+    )
+    return (until, f"{what} at {until:.2f} s: the rest is not compared") if until < math.inf else (math.inf, "")
 
 
 class _Outside:

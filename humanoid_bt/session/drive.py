@@ -236,7 +236,9 @@ class Drive:
                 self._tracks = dict(self.runner.robot.tracks)
                 insists = self._stand(self.end, moved)
                 self.end = self._heard(self.end) or self.end
-                self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
+                rested = self.end is self.runner.ended  # the run went on after its tree, and ends as that did
+                tree_ended = self.runner.ended_at if rested else self._ending.began
+                self._teller.ended(self.end, tree_ended, self.ticks.to_dict())
         except KeyboardInterrupt:
             insists = True
             stack.close()  # the rest, if it came between two of what is closed

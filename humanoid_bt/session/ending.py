@@ -31,7 +31,7 @@ class Ending:
         ticks: watches how long it takes to halt the tree.
 
     Attributes:
-        began: engine time at which the tree ended [s], None before it.
+        began: engine time at which the run ended [s], None before it; its tree may have ended long before.
         interrupted: what ended it at once, if anybody insisted.
     """
 

@@ -109,7 +109,7 @@ class Goals:
                 self._runner.halt(_CANCELED)
             except HumanoidBtError as error:  # all of the tree has been halted all the same
                 self._teller.event("error", str(error))
-            self._runner.rest(End("interrupted", _CANCELED))
+            self._runner.rest(End("interrupted", _CANCELED), self._teller.now)
             self._teller.tree_ended("interrupted", f": {_CANCELED}; {self._teller.resting}")
         self._waits = False
         self._ended(End("interrupted", _CANCELED))

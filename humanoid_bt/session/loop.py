@@ -167,7 +167,7 @@ class Loop:
             end = End("success" if status is Status.SUCCESS else "failure", self._teller.trace.why())
             if self.successor is None:
                 return self._stopped("the tree ended") or end
-            self._rest(end)
+            self._rest(end, state.time)
         if state.time - self.began - runner.robot.clock.stood >= self.limit - DECISION_PERIOD / 2:
             return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
         return None
@@ -191,7 +191,7 @@ class Loop:
         more = "--duration (in Python duration=) lets it go on longer"
         return End("unfinished", f"the tree still ran after {self.limit:g} s{doing}; {more}")
 
-    def _rest(self, end: End) -> None:
+    def _rest(self, end: End, time: float) -> None:
         """Wait for another tree: this one has ended, and the run goes on."""
-        self._runner.rest(end)
+        self._runner.rest(end, time)
         self._teller.tree_ended(end.outcome, f"; {self._teller.resting}")

@@ -94,7 +94,7 @@ def report_of(
         trace: what was collected.
         tracks: what was seen up to the end.
         options: what was asked for.
-        sim_time: simulated time from the first tick until the tree ended [s].
+        sim_time: simulated time from the first tick until the run ended [s], with its tree or waiting for an edit.
         wall_time: time that took [s].
         slow_ticks: ticks that took longer than their period.
         recording_missing: time that the recording lacks [s].

@@ -76,7 +76,7 @@ class Report:
         tree, robot, scene, seed, parameters: what was run; the tree that ran last.
         outcome: of :data:`OUTCOMES`.
         reason: why, in words.
-        sim_time: simulated time from the first tick until the tree ended [s].
+        sim_time: simulated time from the first tick until the run ended [s], with its tree or waiting for an edit.
         wall_time: time that took [s].
         real_time_factor: simulated over taken time.
         trace_hash: SHA-256 over all states, commands and node changes.

@@ -187,17 +187,17 @@ class Teller:
         if self._ticks % _STATUS_TICKS == 1:
             self._publish(state, runner)
 
-    def ended(self, end: End, began: float | None, slow_ticks: Mapping[str, Any]) -> None:
+    def ended(self, end: End, tree_ended: float | None, slow_ticks: Mapping[str, Any]) -> None:
         """Keep how the run ended.
 
         Args:
             end: how.
-            began: engine time at which the tree ended [s], None if it never was ticked.
+            tree_ended: engine time at which the tree ended [s], None if it never was ticked.
             slow_ticks: ticks that took longer than their period.
         """
         if self.recorder is not None:
             said = {name: shortened(text) for name, text in end._asdict().items()}
-            self.recorder.news(self.now, "end", {**said, "tree_ended": began, "slow_ticks": plain(slow_ticks)})
+            self.recorder.news(self.now, "end", {**said, "tree_ended": tree_ended, "slow_ticks": plain(slow_ticks)})
 
     def _publish(self, state: State, runner: TreeRunner) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""

@@ -32,12 +32,14 @@ class TreeRunner:
 
     Attributes:
         ended: how the tree ended that nothing has replaced yet, if the run goes on after it.
+        ended_at: engine time of that [s], None before it, and where none has run.
         reporting: path and node of the skills that have results.
     """
 
     def __init__(self, executor: Executor) -> None:
         self._phase = _Phase.RUNS
         self.ended: End | None = None
+        self.ended_at: float | None = None
         self._start_by: float | None = None
         self._take(executor)
 
@@ -74,9 +76,14 @@ class TreeRunner:
         self.robot.begin_tick(state, percepts)
         return self.robot.release_all()
 
-    def rest(self, end: End) -> None:
-        """Hold the robot from the next tick on: the tree has ended."""
-        self._phase, self.ended = _Phase.OVER, end
+    def rest(self, end: End, at: float | None = None) -> None:
+        """Hold the robot from the next tick on: the tree has ended.
+
+        Args:
+            end: how.
+            at: engine time of that [s], None where no tree has run.
+        """
+        self._phase, self.ended, self.ended_at = _Phase.OVER, end, at
 
     def halt(self, reason: str) -> None:
         """Halt the tree; raises as :meth:`Executor.halt`."""
@@ -90,7 +97,8 @@ class TreeRunner:
         """
         executor.robot.take_over(self.robot)
         self._take(executor)
-        self._phase, self._start_by, self.ended = _Phase.SETTLES, None, None
+        self._phase, self._start_by = _Phase.SETTLES, None
+        self.ended = self.ended_at = None
 
     def _take(self, executor: Executor) -> None:
         self._executor = executor

@@ -86,6 +86,8 @@ root:
         - idle
 """
 
+GIVEN_UP = "format: 1\nroot: {emergency_stop: {timeout: {duration: 0.2 s, idle: }}}\n"
+
 
 @pytest.mark.parametrize("alone", [False, True])
 def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone: bool) -> None:
@@ -151,6 +153,21 @@ def test_a_run_that_was_paused_is_compared_up_to_that(project: Path, alone: bool
     assert again.identical
     assert again.notes[0].startswith("somebody paused the run at 0.2")
     assert again.duration == pytest.approx(0.2, abs=0.021)
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_run_that_waited_for_an_edit_is_compared_up_to_the_end_of_its_tree(project: Path, alone: bool) -> None:
+    (project / "trees/given_up.yaml").write_text(GIVEN_UP, encoding="utf-8")
+    file = project / f"waited-{alone}.rrd"
+    options: Any = {"record": file, "camera": False, "duration": 1.0, "watch": True, "pace": 1e9}
+    with recorded_directly(), Session("given_up", workspace=project, **options) as session:
+        assert session.run().sim_time == pytest.approx(1.0)
+    assert open_recording(file).ended == pytest.approx(0.2)
+    assert "at 0.200 s while 'idle' still ran" in explain(file).headline
+    again = replay(file, **({"tree": "given_up", "workspace": project} if alone else {}))
+    assert (again.identical, again.outcome, again.duration) == (True, "failure", pytest.approx(0.2))
+    if not alone:
+        assert again.notes == ["the run went on after its tree, which ended at 0.20 s: the rest is not compared"]
 
 
 GESTURE = """
