@@ -13,8 +13,6 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.tree import Tree
 
-_UNSET = object()
-
 
 class Changes:
     """Finds what is new since it was asked last.
@@ -26,7 +24,8 @@ class Changes:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._tree: Tree | None = None
-        self._keys: list[tuple[str, Key, Any]] = []
+        self._keys: list[tuple[str, Key]] = []
+        self._set: dict[str, Any] = {}  # the keys that have a value, with it
         self._percepts: dict[str, Percept] = {}
         self._unseen: dict[str, str] = {}
         self._stops = self._inputs = 0
@@ -38,14 +37,13 @@ class Changes:
             tree: the one that runs now.
         """
         if tree is not self._tree:
-            self._tree, self._keys = tree, [(name, key, _UNSET) for name, key in _all_keys(tree)]
-        for index, (name, key, before) in enumerate(self._keys):
-            now = key.value if key.is_set else _UNSET
-            if in_place := isinstance(now, (list, dict)):  # it may also be changed where it is
-                now = plain(now)
-            if now is not before and not (in_place and now == before):
-                self._keys[index] = (name, key, now)
-                yield "key", [name, *([plain(now)] if key.is_set else [])]
+            self._tree, self._keys = tree, list(_all_keys(tree))
+        before, self._set = self._set, {name: plain(key.value) for name, key in self._keys if key.is_set}
+        for name in before | self._set:  # an edited tree may lack what the one before it had
+            if name not in self._set:
+                yield "key", [name]
+            elif name not in before or before[name] != self._set[name]:
+                yield "key", [name, self._set[name]]
         if self._engine.unseen != self._unseen:
             self._unseen = dict(self._engine.unseen)
             yield "unseen", self._unseen
