@@ -145,4 +145,11 @@ class Debugger:
             while self._news:
                 self.teller.event("info", self._news.popleft())
             if self._actions:
-                self._actions.popleft()()
+                self._do(self._actions.popleft())
+
+    def _do(self, action: Callable[[], None]) -> None:
+        """Do what was asked for; nobody waits for it who could be told of a mistake."""
+        try:
+            action()
+        except UserError as error:
+            self.teller.event("error", "; ".join(problem.message for problem in error.problems))

@@ -88,7 +88,10 @@ class Debugging:
         self._drive.debugger.force(self._drive.runner.tree, path, status, source)
 
     def between_ticks(self, action: Callable[[], None]) -> None:
-        """Do something before the next tick, in the thread that steps. From any thread."""
+        """Do something before the next tick, in the thread that steps. From any thread.
+
+        A :class:`UserError` that it raises is told as an event of the run, which goes on.
+        """
         self._drive.debugger.ask(action)
 
     def request_step(self, *, source: str = "program") -> None:

@@ -156,21 +156,27 @@ class Loop:
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
-        return self._stopped(reason) or self._runner.ended or End(outcome, reason)
+        return self._stopped(reason) or self._result() or End(outcome, reason)
 
     def _end(self, state: State, pause: Pause | None) -> End | None:
         """Return how the run ends after this tick, None if it goes on; in a pause the end of the tree is kept back."""
-        runner, status = self._runner, self._runner.status
+        runner = self._runner
         if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
             return self._stopped()
-        if status in _ENDED and not runner.ended and pause is None:
-            end = End("success" if status is Status.SUCCESS else "failure", self._teller.trace.why())
+        if pause is None and not runner.ended and (end := self._result()) is not None:
             if self.successor is None:
                 return self._stopped("the tree ended") or end
             self._rest(end, state.time)
         if state.time - self.began - runner.robot.clock.stood >= self.limit - DECISION_PERIOD / 2:
-            return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
+            return self._stopped("the time was up before a reset") or self._result() or self._unfinished()
         return None
+
+    def _result(self) -> End | None:
+        """Return how the tree ended, None if it has not."""
+        status = self._runner.status
+        if self._runner.ended or status not in _ENDED:
+            return self._runner.ended
+        return End("success" if status is Status.SUCCESS else "failure", self._teller.trace.why())
 
     def _stopped(self, why: str = "") -> End | None:
         """Return the end of a run whose robot is stopped for safety now, None if it is not.

@@ -148,6 +148,26 @@ def test_it_can_be_paused_before_the_first_tick_and_left() -> None:
     assert session.report.stops == []
 
 
+@pytest.mark.parametrize("status", ["SUCCESS", "FAILURE"])
+def test_a_run_that_is_left_in_the_pause_at_the_end_of_its_tree_ends_as_that_did(status: str) -> None:
+    with hbt.Session("limited") as session:
+        session.step()
+        session.force("timeout", status)
+        session.break_at(f"emergency_stop={status}")
+        session.run_until(lambda now: now.paused)
+    assert session.report.outcome == status.lower()
+    assert session.report.reason.startswith("timeout: forced to ")
+
+
+def test_a_mistake_in_what_is_done_between_ticks_is_told_and_the_run_goes_on() -> None:
+    with hbt.Session("walks") as session:
+        session.between_ticks(lambda: session.set("nope", 1))
+        session.between_ticks(lambda: session.force("walk", "FAILURE"))
+        assert session.run().outcome == "failure"
+    mistakes = [event["text"] for event in session.report.events if event["level"] == "error"]
+    assert mistakes == ["the tree has no key or parameter 'nope'"]
+
+
 def test_who_pauses_first_is_told_once() -> None:
     with hbt.Session("walks") as session:
         session.resume()  # nothing to continue
