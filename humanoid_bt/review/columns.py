@@ -127,7 +127,7 @@ TABLES: dict[str, TableSpec] = {
         "A tick of the tree.",
         (
             _TIME,
-            Column("took", "number", "how long it took, on the wall clock; null after the tree's end", "s"),
+            Column("took", "number", "how long it took, on the wall clock; null in a pause and after the tree", "s"),
             Column("running", "text", "paths of the deepest running nodes after it, with ' | ' between several"),
             _MODE,
             _GAIT,
@@ -253,7 +253,11 @@ TABLES: dict[str, TableSpec] = {
     ),
     "inputs": TableSpec(
         "Something came from outside that is not sensed: a push, a reset, what was set or forced, an answer to a call.",
-        (_TIME, Column("kind", "text", "push, reset, key, set, force or answer"), Column("value", "text", _JSON)),
+        (
+            _TIME,
+            Column("kind", "text", "push, reset, reset_after_tick, key, set, force or answer"),
+            Column("value", "text", _JSON),
+        ),
     ),
     "limits": TableSpec(
         "A joint's limits; null where it has none.",

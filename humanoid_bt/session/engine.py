@@ -26,7 +26,7 @@ class Input(NamedTuple):
 
     Attributes:
         time: engine time from which on it counts [s].
-        kind: push, reset, key, set, force, answer.
+        kind: push, reset, reset_after_tick, key, set, force, answer.
         value: as data for JSON.
     """
 
