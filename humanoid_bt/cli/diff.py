@@ -13,7 +13,7 @@ from pathlib import Path
 from humanoid_bt.cli.output import columns, print_lines
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.texts import one_line, shortened
-from humanoid_bt.record.parts import parts_of
+from humanoid_bt.record.reading import files_of
 from humanoid_bt.record.sinks import has_display
 from humanoid_bt.record.viewers import free_port, start_viewer
 from humanoid_bt.review.compare_run import NodeShift, Parting
@@ -101,7 +101,7 @@ def _view(one: Recording, other: Recording) -> None:
 
     both = Path(tempfile.mkdtemp(prefix="humanoid-bt-")) / f"{one.path.stem}-and-{other.path.stem}.rrd"
     try:
-        write_side_by_side(both, (parts_of(one.path), parts_of(other.path)))
+        write_side_by_side(both, (files_of(one.path), files_of(other.path)))
     except OSError as error:
         raise UserError(f"the view of both cannot be written: {error.strerror}: {str(both)!r}") from error
     if has_display():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -48,6 +49,12 @@ def parts_of(path: Path) -> list[Path]:
         elif match and match["stem"] == first.stem and entry.suffix == first.suffix:
             found.append((int(match["number"]), entry))
     return [entry for _, entry in sorted(found)]
+
+
+def missing_among(parts: Iterable[Path]) -> list[int]:
+    """Return the numbers of the parts that are not among those of a recording, though a later one is."""
+    numbers = {int(match["number"]) if (match := _PART.fullmatch(part.stem)) else 1 for part in parts}
+    return sorted(set(range(1, max(numbers))) - numbers)
 
 
 def is_recording(path: Path) -> bool:

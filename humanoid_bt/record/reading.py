@@ -26,7 +26,7 @@ from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
 from humanoid_bt.record import shape
 from humanoid_bt.record.packing import BlockError, is_whole, unbundle, unpack
-from humanoid_bt.record.parts import is_recording, parts_of
+from humanoid_bt.record.parts import is_recording, missing_among, parts_of
 from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.tick import Tick, percepts_of
 
@@ -84,6 +84,7 @@ class FlightLog:
         layout: what the rows of plans and cycles hold, empty if the file does not say.
         blocks: name -> blocks as they are in the file, packed.
         until: name -> the engine time [s] that no row of the block at the same place is beyond.
+        missing: numbers of the parts that are not there, though a later one is.
         damaged: how many blocks could not be read so far.
         cut: why the file could not be read to its end, "" if it could.
     """
@@ -93,6 +94,7 @@ class FlightLog:
     layout: dict[str, Any] = field(default_factory=dict)
     blocks: dict[str, list[bytes]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
     until: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
+    missing: Sequence[int] = ()
     damaged: int = 0
     cut: str = ""
 
@@ -206,7 +208,7 @@ class FlightLog:
     @property
     def damage(self) -> list[str]:
         """What of it was changed since it was written, a text each."""
-        found = []
+        found = [f"part {number} is missing among its files" for number in self.missing]
         for name, blocks in self.blocks.items():
             if count := sum(not is_whole(block, name in _BUNDLED) for block in blocks):
                 found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
@@ -244,7 +246,9 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     """
     log = FlightLog(Path(path))
     try:
-        for part in files_of(log.path):
+        files = files_of(log.path)
+        log.missing = missing_among(files)
+        for part in files:
             file = RrdFile(part)
             _fill(log, file)
             log.cut, log.damaged = log.cut or file.cut, log.damaged + file.damaged
@@ -270,8 +274,20 @@ def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
 
 
 def files_of(path: Path) -> list[Path]:
-    """Return the files of all parts of a recording that hold anything; just this file where there are none."""
-    return [part for part in parts_of(path) if is_recording(part)] or [path]
+    """Return the files of all parts of a recording that hold anything; just this file where there are none.
+
+    Args:
+        path: of any part of it, or a link to one.
+    """
+    return [part for part in parts_of(_linked(path)) if is_recording(part)] or [path]
+
+
+def _linked(path: Path) -> Path:
+    """Return the file that a path leads to."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):  # links in a circle
+        return path
 
 
 def _fill(log: FlightLog, file: RrdFile) -> None:

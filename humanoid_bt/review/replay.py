@@ -108,8 +108,8 @@ def replay(
         workspace: where they are looked up then; else the one that the run was started in.
 
     Raises:
-        UserError: the recording cannot be read, or what it was made of is not there; the tree has mistakes; a test
-            did to the run what a replay cannot.
+        UserError: the recording cannot be read or lacks a part, or what it was made of is not there; the tree has
+            mistakes; a test did to the run what a replay cannot.
         NodeError: a skill raised an exception in ``setup``.
     """
     if files not in get_args(Files):
@@ -117,6 +117,7 @@ def replay(
     log = read_flight(recording)
     run = recorded_run(log)
     _refuse_staged(log)
+    _refuse_incomplete(log)
     with tempfile.TemporaryDirectory(prefix="humanoid-bt-replay-") as folder, _only_recorded(resolved(Path(folder))):
         now = tree is not None or files == "current"
         found = _current(log, workspace) if now else lay_out(log.setup, Path(folder))
@@ -175,6 +176,18 @@ def _refuse_staged(log: FlightLog) -> None:
         did = "; ".join(lines[:3]) + ("; ..." if len(lines) > 3 else "")
         message = f"{relative(log.path)!r} is of a test that staged what happened, which a replay cannot do: {did}"
         raise UserError(message, hint="run the test again: with the same seed it does the same, to the bit")
+
+
+def _refuse_incomplete(log: FlightLog) -> None:
+    """Refuse a recording without its beginning, or with a gap: what it lacks cannot be compared.
+
+    Raises:
+        UserError: it is one.
+    """
+    if log.missing:
+        lacks = ", ".join(f"part {number}" for number in log.missing)
+        message = f"the recording {relative(log.path)!r} cannot be replayed without its {lacks}"
+        raise UserError(message, hint="put all of its files into one folder, with the names that they had")
 
 
 def _current(log: FlightLog, workspace: str | PathLike[str] | Workspace | None) -> RecordedFiles:

@@ -20,7 +20,7 @@ from humanoid_bt.record import recorder as recorder_module
 from humanoid_bt.record.feed import Feed
 from humanoid_bt.record.parted_file import PartedFile
 from humanoid_bt.record.parts import MAGIC, first_of, is_recording, part_of, parts_of
-from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.record.reading import files_of, read_cycles, read_flight
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.recording_file import RecordingFile
 from humanoid_bt.record.sinks import Sinks
@@ -120,8 +120,10 @@ def test_servo_cycles_are_read_from_all_parts_whichever_is_given(record: Maker, 
         assert read_cycles(part).columns["servo"][:, 0].tolist() == list(range(3200))
     part_of(file, 9).touch()  # of a recorder that was killed before it could write anything
     assert len(read_cycles(file).time) == 3200
+    assert read_flight(file).missing == []
     parts_of(file)[1].unlink()
     assert len(read_cycles(file).time) == 2200
+    assert read_flight(file).missing == [2]
 
 
 def test_who_watches_does_not_notice(record: Maker, file: Path, tmp_path: Path) -> None:
@@ -268,6 +270,17 @@ def test_a_part_that_is_deleted_loses_what_was_in_it(record: Maker, file: Path) 
         parts_of(file)[1].unlink()
     assert recorder.written == pytest.approx(1.0)
     assert "was deleted while it was written" in recorder.trouble
+
+
+def test_a_link_leads_to_all_parts(record: Maker, file: Path, tmp_path: Path) -> None:
+    record_parts(record, file)
+    link = tmp_path / "elsewhere" / "latest.rrd"
+    link.parent.mkdir()
+    link.symlink_to(file)
+    assert files_of(link) == parts_of(file)
+    circle = tmp_path / "circle.rrd"
+    circle.symlink_to(circle)
+    assert files_of(circle) == [circle]
 
 
 def test_names_of_parts() -> None:

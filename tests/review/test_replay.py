@@ -338,6 +338,13 @@ def passes(test: Path) -> bool:
     return True
 
 
+def test_a_later_part_of_a_recording_is_not_replayed_alone(raising: Path, tmp_path: Path) -> None:
+    part = shutil.copy(raising, tmp_path / "raising.part002.rrd")
+    with pytest.raises(UserError, match=r"raising.part002.rrd' cannot be replayed without its part 1"):
+        replay(part)
+    assert ("damaged", "part 1 is missing among its files") in explain(part).rows
+
+
 def test_the_command_says_whether_it_is_identical(raising: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", str(raising), "--set", "stay=0.1s", "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
