@@ -18,6 +18,7 @@ from humanoid_bt.review.words import cut, doing, last, line_of, when
 
 _FLAPS = 4  # changes of a condition that are more than a change of mind
 _FLAPPING = 5.0  # s in which they count
+_LOOPS = ("for_each", "keep_running_until_failure", "repeat", "retry")  # ask a condition anew in each round
 _STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit explains it
 _STRUGGLED = 0.2  # s that it must have been there
 _WARNINGS = 3  # that are told
@@ -34,7 +35,7 @@ def failed(history: History, time: float) -> Cause:
     decided = history.decided
     if decided is None or decided.status != "FAILURE" or abs(decided.time - time) > AT:
         return Cause("failed", f"the tree failed at {when(time)}: {cut(history.end['reason'])}", time)
-    if flap := flapping(history, time):
+    if flap := flapping(history, time, decided.path):
         return flap
     kind = str(history.kind(decided.path, time).get("type", ""))
     if kind == "watchdog" or _NEVER in decided.said:
@@ -223,21 +224,52 @@ def _stale(history: History, time: float) -> list[str]:
     return [path for path in history.running(time) if nodes.get(path, {}).get("branch") == "on_stale"]
 
 
-def flapping(history: History, time: float) -> Cause | None:
-    """Return the condition that changed its mind again and again before a time [s], None if none did."""
-    found: dict[str, list[Change]] = {}
-    for change in history.changes:
+def flapping(history: History, time: float, decided: str = "") -> Cause | None:
+    """Return the condition that changed its mind again and again before a time [s], None if none did.
+
+    Args:
+        history: of the run.
+        time: when.
+        decided: the node that decided how the tree ended; then only it counts, and what the node above asks beside it.
+    """
+    found: dict[str, list[int]] = {}
+    for number, change in enumerate(history.changes):
         recent = time - _FLAPPING <= change.time <= time + AT and change.status in ("SUCCESS", "FAILURE")
-        if recent and history.kind(change.path, change.time).get("kind") == "condition":
-            found.setdefault(change.path, []).append(change)
-    path, changes = max(found.items(), key=lambda item: len(item[1]), default=("", []))
-    flips = sum(one.status != other.status for one, other in itertools.pairwise(changes))
-    if flips < _FLAPS:
+        beside = not decided or decided == change.path or decided.startswith(_above(change.path) + "/")
+        if recent and beside and history.kind(change.path, change.time).get("kind") == "condition":
+            found.setdefault(change.path, []).append(number)
+    flips = {path: _flips(history, numbers) for path, numbers in found.items()}
+    path, changes = max(flips.items(), key=lambda item: len(item[1]), default=("", []))
+    if len(changes) < _FLAPS:
         return None
-    first, end = changes[0], changes[-1]
-    told = ", then ".join(cut(change.said, 40) for change in changes[-2:])
-    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {told}"
+    first, end = changes[0][0], changes[-1][1]
+    told = ", then ".join(cut(change.said, 40) for change in changes[-1])
+    text = f"'{last(path)}' changed its mind {len(changes)} times from {first.time:.2f} to {end.time:.2f} s: {told}"
     return Cause("percept_doubtful", text, end.time, path, [], first.time)
+
+
+def _flips(history: History, numbers: list[int]) -> list[tuple[Change, Change]]:
+    """Return the changes of a condition's mind among its changes; a loop that asks it anew in a round is none."""
+    return [
+        (history.changes[before], history.changes[after])
+        for before, after in itertools.pairwise(numbers)
+        if history.changes[before].status != history.changes[after].status and not _in_rounds(history, before, after)
+    ]
+
+
+def _in_rounds(history: History, before: int, after: int) -> bool:
+    """Return whether a loop is the deepest node that ran on between two changes of a node below it."""
+    change = history.changes[after]
+    ended = {one.path for one in history.changes[before + 1 : after] if one.status != "RUNNING"}
+    above = _above(change.path)
+    while above in ended:
+        above = _above(above)
+    return history.kind(above, change.time).get("type") in _LOOPS
+
+
+def _above(path: str) -> str:
+    """Return the path of the node above a node."""
+    return path.rpartition("/")[0]
 
 
 def scene_rows(history: History, begin: float, end: float) -> list[Row]:

@@ -489,6 +489,29 @@ def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: P
     )
 
 
+COLOURS = """\
+format: 1
+root:
+  emergency_stop:
+    sequence:
+      - for_each:
+          items: [red, blue, red, blue, red, blue]
+          item: colour
+          selector:
+            - sequence: [{condition: {name: is red, expression: colour == 'red'}}, {wait: 0.06 s}]
+            - wait: 0.06 s
+      - give_up
+"""
+
+
+@pytest.mark.parametrize(("duration", "kind"), [(2.0, "failed"), (0.44, "unfinished")])
+def test_a_condition_that_a_loop_asks_in_each_round_does_not_change_its_mind(
+    play: Play, stage: Path, duration: float, kind: str
+) -> None:
+    (stage / "trees/colours.yaml").write_text(COLOURS, encoding="utf-8")
+    assert explain(play("colours", duration)).kind == kind
+
+
 def test_the_joint_at_its_limit_is_of_the_arm_that_was_to_reach(play: Play) -> None:
     def lifted(session: Session) -> None:
         """Relieve the left arm a little: the right one, which nobody asks for anything, is at its limit longer."""
