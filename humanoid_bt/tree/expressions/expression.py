@@ -117,8 +117,10 @@ class Expression:
         linker = self.linker(self.text, self.place, self.text_at, names)
         self.type, evaluate = linker.link(self.syntax)
         self.percepts, self.keys, self.comparisons = linker.percepts, linker.keys, linker.comparisons
-        if self.wanted is not None and not self.type.goes_with(self.wanted):
-            raise linker.mistake(f"it is {self.type}, but must be {self.wanted}", "like distance(target) < 0.5 m")
+        if self.wanted is not None:
+            if not self.type.goes_with(self.wanted):
+                raise linker.mistake(f"it is {self.type}, but must be {self.wanted}", "like distance(target) < 0.5 m")
+            evaluate = linker.only(self.wanted, self.syntax, self.type, evaluate)
         self._evaluate = evaluate
 
     def evaluate(self, robot: Robot) -> Any:

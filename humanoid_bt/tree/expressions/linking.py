@@ -253,7 +253,7 @@ class Linker:
         return result, lambda robot: compute(first(robot), second(robot))
 
     def _quotient(self, first: Evaluate, second: Evaluate, divisor: Syntax) -> Evaluate:
-        why = f"in {self._text!r}: {_called(divisor)} is 0"
+        why = f"in {self._text!r}: {_called(divisor, 'what is divided by')} is 0"
 
         def divide(robot: Robot) -> Any:
             above, below = first(robot), second(robot)
@@ -273,6 +273,9 @@ class Linker:
         ordered = sign not in ("==", "!=")
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
+        if ordered:
+            left = self.only(NUMBER, syntax.left, kind, left)
+            right = self.only(NUMBER, syntax.right, other, right)
         jitters = len(self.percepts) > before and ordered
         watched = Watched(syntax.source, sign, not jitters, kind if kind.unit else other)
         self.comparisons.append(watched)
@@ -317,13 +320,32 @@ class Linker:
         kind, value = self.link(syntax)
         if not kind.goes_with(TRUTH):
             raise self.mistake(f"{word!r} needs true or false, not {kind}")
-        return value
+        return self.only(TRUTH, syntax, kind, value)
 
     def _number(self, syntax: Syntax, what: str) -> tuple[Type, Evaluate]:
         kind, value = self.link(syntax)
         if kind.kind not in ("number", "anything"):
             raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
-        return kind, value
+        return kind, self.only(NUMBER, syntax, kind, value)
+
+    def only(self, wanted: Type, syntax: Syntax, kind: Type, evaluate: Evaluate) -> Evaluate:
+        """Return the evaluation of a part that raises TypeError where its value is not of the kind that is wanted.
+
+        Args:
+            wanted: a type of that kind.
+            syntax, kind, evaluate: the part, its type, and its evaluation.
+        """
+        if kind.kind != "anything":
+            return evaluate
+        what = f"in {self._text!r}: {_called(syntax, 'a part of it')}"
+
+        def evaluate_checked(robot: Robot) -> Any:
+            value = evaluate(robot)
+            if type_of(value).kind != wanted.kind:
+                raise TypeError(f"{what} is {value!r}, not {wanted}")
+            return value
+
+        return evaluate_checked
 
 
 def constant(syntax: Syntax, evaluate: Evaluate) -> Any:
@@ -344,8 +366,8 @@ def _asked(syntax: grammar.Comparison, left: Type, right: Type) -> str:
     return ""
 
 
-def _called(syntax: Syntax) -> str:
-    """Return what a part of an expression is called in messages."""
+def _called(syntax: Syntax, otherwise: str) -> str:
+    """Return what a part of an expression is called in messages: its name, else as given."""
     match syntax:
         case grammar.Name(name):
             return repr(name)
@@ -353,7 +375,7 @@ def _called(syntax: Syntax) -> str:
             return repr(f"{of}.{name}")
         case grammar.Call(name, (grammar.Name(of),)):
             return repr(f"{name}({of})")
-    return "what is divided by"
+    return otherwise
 
 
 def within(place: Place, text_at: int | None, index: int) -> Place:

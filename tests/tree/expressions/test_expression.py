@@ -145,6 +145,24 @@ def test_what_is_0_is_named_where_it_is_divided_by(names: Names, robot: Robot, t
         evaluate(text, names, robot)
 
 
+@pytest.mark.parametrize("value", ["false", "true", 0, 2])
+@pytest.mark.parametrize("text", ["count", "not count", "ready and count", "count or ready"])
+def test_only_true_and_false_are_truths(names: Names, robot: Robot, text: str, value: object) -> None:
+    condition = Truth.parse(text)
+    condition.link(names)
+    names.count.set(value)
+    with pytest.raises(TypeError, match=re.escape(f"in {text!r}: 'count' is {value!r}, not true or false")):
+        condition.evaluate(robot)
+
+
+@pytest.mark.parametrize("text", ["count * 2", "-count", "abs(count)", "1 / count", "count < 1", "1 m >= count"])
+@pytest.mark.parametrize("value", ["2", True])
+def test_only_numbers_are_computed_with(names: Names, robot: Robot, text: str, value: object) -> None:
+    names.count.set(value)
+    with pytest.raises(TypeError, match=re.escape(f"in {text!r}: 'count' is {value!r}, not a plain number")):
+        evaluate(text, names, robot)
+
+
 def test_and_and_or_do_not_look_further_than_they_must(names: Names, robot: Robot) -> None:
     assert evaluate("false and count > 1", names, robot) is False
     assert evaluate("true or count > 1", names, robot) is True
