@@ -217,18 +217,20 @@ class _Switch(Choice):
         return found or self.default
 
     def _number(self, text: str) -> float | None:
-        """Return a case as a number, None if it is none.
+        """Return a case as a number, None if it is none, or if the value is text, which may look like a number.
 
         Raises:
             ValueError: the value can never be this.
         """
+        wanted = self.value.type
+        if wanted.kind == "text":
+            return None
         digits = text.removeprefix("-").lstrip()
         found = read_quantity(digits, 0)
         if found is not None and found[2] < len(digits):
             found = None
         kind = number(found[1]) if found else type_of(_TRUTHS.get(text, text))
-        wanted = self.value.type
-        if wanted.kind != "text" and not wanted.goes_with(kind):  # a text may look like a number
+        if not wanted.goes_with(kind):
             raise ValueError(f"the case {text!r} is never chosen: {str(self.value)!r} is {wanted}")
         return None if found is None else found[0] if digits == text else -found[0]
 
@@ -239,8 +241,8 @@ class Switch(_Switch):
     The value is computed once, when the node starts; to change the branch when the value changes, use
     `reactive_switch`. If it asks for a percept that was never seen the node fails.
 
-    Cases are compared as they are written: `left` with a text, `true` and `false` with a truth value, `2` and `50 cm`
-    with a number, which must be equal.
+    A text chooses the case that is written like it, a truth value `true` or `false`, and a number the case that is
+    equal to it, such as `2` or `50 cm`.
     """
 
     one_way: ClassVar[bool] = True

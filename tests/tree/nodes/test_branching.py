@@ -126,6 +126,15 @@ def test_cases_are_compared_as_they_are_written(workspace: Workspace, value: str
     assert switch.ticks(1) == "s"
 
 
+@pytest.mark.parametrize(("text", "chosen"), [("1.0", "a"), ("1", "b"), ("500 cm", "c"), ("5 m", "d")])
+def test_texts_that_are_the_same_number_are_different_cases(workspace: Workspace, text: str, chosen: str) -> None:
+    names = {"1.0": "a", "1": "b", "500 cm": "c", "5 m": "d"}
+    cases = ", ".join(f"'{case}': {{act: {{name: {name}}}}}" for case, name in names.items())
+    switch = run(workspace, f"{{switch: {{value: \"'{text}'\", cases: {{{cases}}}}}}}")
+    switch.tick()
+    assert switch.log == [("start", chosen)]
+
+
 def test_switch_takes_default_or_fails(workspace: Workspace) -> None:
     assert run(workspace, "{switch: {value: \"'x'\", cases: {y: success}, default: running}}").ticks(2) == "rr"
     switch = run(workspace, "{switch: {value: \"'x'\", cases: {y: success}}}")
