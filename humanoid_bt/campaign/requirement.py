@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -145,6 +145,11 @@ class _Names:
 
     def is_set(self, _name: str) -> Callable[[], bool] | None:
         """Return None: there is no blackboard."""
+
+    @property
+    def fixed(self) -> Collection[str]:
+        """No names: all are known when the campaign has run."""
+        return ()
 
     @property
     def known(self) -> Iterator[str]:

@@ -184,6 +184,11 @@ class NamesOf:
         self._keys = {key.name: key for key in tree.keys}
 
     @property
+    def fixed(self) -> Collection[str]:
+        """The names of all parameters whose value is known before the run."""
+        return self._parameters
+
+    @property
     def known(self) -> Iterator[str]:
         """The names of all parameters and keys."""
         yield from self._parameters

@@ -13,8 +13,7 @@ from humanoid_bt.core.reading import is_finite
 from humanoid_bt.testing.claim import Claim
 from humanoid_bt.testing.expectation import AtEnd, Expectation, Order, Throughout, Within
 from humanoid_bt.testing.step import Step
-from humanoid_bt.tree.expressions.grammar import is_constant
-from humanoid_bt.tree.expressions.linking import CODE, within
+from humanoid_bt.tree.expressions.linking import CODE, is_constant, within
 from humanoid_bt.tree.expressions.quantities import read_quantity
 
 KINDS = ("within", "never", "always", "order")

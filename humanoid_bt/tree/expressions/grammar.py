@@ -134,18 +134,6 @@ class Doing:
 Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison | Doing
 
 
-def is_constant(syntax: Syntax) -> bool:
-    """Return whether no name stands in an expression, and no hysteresis, which remembers."""
-    match syntax:
-        case Literal():
-            return True
-        case Unary(_, operand):
-            return is_constant(operand)
-        case Binary(_, left, right) | Comparison(_, left, right, None):
-            return is_constant(left) and is_constant(right)
-    return False
-
-
 def parse(text: str, verbs: tuple[str, ...] = ()) -> Syntax:
     """Return the syntax tree of an expression.
 

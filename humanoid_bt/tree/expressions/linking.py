@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, cast
 
@@ -59,6 +59,10 @@ class Names(Protocol):
 
     def is_set(self, name: str) -> Callable[[], bool] | None:
         """Return what tells whether a key has a value, None if there is no such key."""
+
+    @property
+    def fixed(self) -> Collection[str]:
+        """The names of all parameters whose value is known before the run."""
 
     @property
     def known(self) -> Iterator[str]:
@@ -293,7 +297,7 @@ class Linker:
         if not width_type.goes_with(kind):
             valid = f"valid: {', '.join(factors(kind.unit))}" if factors(kind.unit) else ""
             raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}", valid)
-        fixed = constant(syntax.hysteresis, width)
+        fixed = constant(syntax.hysteresis, width, self._names.fixed)
         if fixed is not None and fixed < 0:
             raise self.mistake("a hysteresis cannot be negative", "how much farther it goes on holding, like 5 cm")
         watched.steady = watched.steady or fixed != 0
@@ -348,14 +352,30 @@ class Linker:
         return evaluate_checked
 
 
-def constant(syntax: Syntax, evaluate: Evaluate) -> Any:
-    """Return the value of what is written in nothing but numbers and words (``true``, ``1 < 2``), else None."""
-    if not grammar.is_constant(syntax):
+def constant(syntax: Syntax, evaluate: Evaluate, fixed: Collection[str] = ()) -> Any:
+    """Return the value of what is written in nothing but numbers, words (``true``) and fixed names, else None."""
+    if not is_constant(syntax, fixed):
         return None
     try:
         return evaluate(cast(Robot, None))
-    except ArithmeticError:
+    except (ArithmeticError, TypeError):
         return None
+
+
+def is_constant(syntax: Syntax, fixed: Collection[str] = ()) -> bool:
+    """Return whether an expression asks nothing of a run: no name but those of fixed values, and no hysteresis."""
+    match syntax:
+        case grammar.Literal():
+            return True
+        case grammar.Name(name):
+            return name in fixed
+        case grammar.Call(name, arguments):
+            return name in FUNCTIONS and all(is_constant(argument, fixed) for argument in arguments)
+        case grammar.Unary(_, operand):
+            return is_constant(operand, fixed)
+        case grammar.Binary(_, left, right) | grammar.Comparison(_, left, right, None):
+            return is_constant(left, fixed) and is_constant(right, fixed)
+    return False
 
 
 def _asked(syntax: grammar.Comparison, left: Type, right: Type) -> str:

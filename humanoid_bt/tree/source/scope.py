@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -168,6 +168,11 @@ class Scope:
         self._problems += [problem for name, problem in self._refused if self._exists(self._keys[name])]
 
     # ---- what expressions ask (see Names) ------------------------------------------------------------------------
+
+    @property
+    def fixed(self) -> Collection[str]:
+        """The names of all parameters whose value is known before the run."""
+        return self.parameters.values
 
     @property
     def known(self) -> Iterator[str]:

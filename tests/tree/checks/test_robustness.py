@@ -37,6 +37,16 @@ def test_a_threshold_that_is_checked_while_something_runs_needs_hysteresis(works
     assert "may flap" in told
 
 
+@pytest.mark.parametrize(("width", "told"), [("0 cm", "may flap"), ("-5 cm", "cannot be negative")])
+def test_a_hysteresis_that_is_a_parameter_is_looked_at_with_its_value(
+    workspace: Workspace, width: str, told: str
+) -> None:
+    root = below("reactive_sequence: [{condition: distance(p) < 1 m hysteresis h}, act]")
+    assert not found(workspace, f"parameters: {{h: 5 cm}}\n{root}")
+    (problem,) = found(workspace, f"parameters: {{h: {width}}}\n{root}")
+    assert told in problem
+
+
 @pytest.mark.parametrize(
     "root",
     [

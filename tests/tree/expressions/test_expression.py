@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,10 @@ class Names:
             "thing": (TEXT, "cup"),
             "patience": (number("s"), 2.0),
         }
+
+    @property
+    def fixed(self) -> Collection[str]:
+        return self.values
 
     @property
     def known(self) -> Iterator[str]:
@@ -218,6 +222,8 @@ def test_what_was_never_seen_has_no_distance(names: Names, robot: Robot) -> None
         ("near == 1 hysteresis 5 cm", "'==' has no hysteresis"),
         ("near < 1 hysteresis -5 cm", "a hysteresis cannot be negative"),
         ("near < 1 hysteresis 1 cm - 2 cm", "a hysteresis cannot be negative"),
+        ("distance(cup) < 1 hysteresis -near", "a hysteresis cannot be negative"),
+        ("distance(cup) < 1 hysteresis min(near, -5 cm)", "a hysteresis cannot be negative"),
     ],
 )
 def test_what_is_refused(text: str, message: str, names: Names) -> None:
@@ -270,6 +276,16 @@ def test_what_an_expression_reads_is_known(names: Names) -> None:
     assert expression.percepts == ["cup", "cup"]
     assert expression.keys == ["count"]
     assert [comparison.steady for comparison in expression.comparisons] == [False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("width", "steady"),
+    [("0 m", False), ("abs(0)", False), ("near - 50 cm", False), ("near", True), ("distance(cup)", True)],
+)
+def test_a_hysteresis_of_nothing_steadies_nothing(names: Names, width: str, steady: bool) -> None:
+    expression = Expression.parse(f"distance(cup) < 1 m hysteresis {width}")
+    expression.link(names)
+    assert [comparison.steady for comparison in expression.comparisons] == [steady]
 
 
 def test_hysteresis_holds_on_beyond_the_threshold_until_it_is_forgotten(names: Names, robot: Robot) -> None:
