@@ -17,7 +17,7 @@ from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.nodes import other_libraries
-from humanoid_bt.tree.nodes.family import cases_of, children_of
+from humanoid_bt.tree.nodes.family import cases_of, child_of, children_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
@@ -44,7 +44,8 @@ class Choice(Branch, py_trees.composites.Composite):
         self, name: str, branches: Iterable[Behaviour], condition: Behaviour | None = None, **values: Any
     ) -> None:
         self._choices = list(branches)
-        super().__init__(name, children_of(type(self), name, [*([condition] if condition else []), *self._choices]))
+        asked = [] if condition is None else [condition]
+        super().__init__(name, children_of(type(self), name, [*asked, *self._choices]))
         other_libraries.refuse_parameters(self, values)
         assign(self, values)
         self.chosen: Behaviour | None = None
@@ -86,8 +87,8 @@ class _If(Choice):
     def __init__(
         self, name: str, condition: Behaviour, then: Behaviour, else_: Behaviour | None = None, **values: Any
     ) -> None:
-        super().__init__(name, [then, *([else_] if else_ else [])], condition, **values)
-        self.condition, self.then, self.else_ = condition, then, else_
+        self.condition, self.then, self.else_ = child_of(type(self), name, condition, "condition"), then, else_
+        super().__init__(name, [then, *([] if else_ is None else [else_])], condition, **values)
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
@@ -158,7 +159,7 @@ class _Switch(Choice):
         **values: Any,
     ) -> None:
         self.cases = cases_of(type(self), name, cases)
-        super().__init__(name, [*self.cases.values(), *([default] if default else [])], **values)
+        super().__init__(name, [*self.cases.values(), *([] if default is None else [default])], **values)
         self.default = default
         self._truths = {_TRUTHS[text]: branch for text, branch in self.cases.items() if text in _TRUTHS}
         self._numbers: dict[float, Behaviour] = {}

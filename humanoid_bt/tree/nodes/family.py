@@ -33,13 +33,18 @@ def children_of(parent: type, name: object, children: object) -> list[Behaviour]
     return found
 
 
-def child_of(parent: type, name: object, child: object) -> Behaviour:
-    """Return the child of a decorator that is being made.
+def child_of(parent: type, name: object, child: object, what: str = "child") -> Behaviour:
+    """Return the child of a decorator that is being made, or another node that it needs.
+
+    Args:
+        parent, name: the decorator's type and name.
+        child: what it is given.
+        what: what this is for it, for messages.
 
     Raises:
         UserError: it is no node.
     """
-    return _node(child, f"the child of {_called(parent, name)}")
+    return _node(child, f"the {what} of {_called(parent, name)}")
 
 
 def cases_of(parent: type, name: object, cases: object) -> dict[str, Behaviour]:

@@ -14,6 +14,7 @@ from humanoid_bt.core.units import readable_pair
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.nodes.family import child_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, Seen, halt, tick
@@ -68,7 +69,7 @@ class Watchdog(Decorator):
 
     def __init__(self, name: str, child: Behaviour, on_stale: Behaviour | None = None, **values: Any) -> None:
         super().__init__(name, child, **values)
-        self.on_stale = on_stale
+        self.on_stale = None if on_stale is None else child_of(type(self), name, on_stale, "on_stale")
         if on_stale is not None:
             self.children.append(on_stale)
             on_stale.parent = self

@@ -9,6 +9,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.tree.nodes.decorators import Decorator
+from humanoid_bt.tree.nodes.family import child_of
 from humanoid_bt.tree.nodes.told_when_asked import ToldWhenAsked
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
@@ -33,7 +34,7 @@ class Conditional(ToldWhenAsked, Decorator):
 
     def __init__(self, name: str, child: Behaviour, condition: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
-        self.condition = condition
+        self.condition = child_of(type(self), name, condition, "condition")
         self.children.insert(0, condition)
         condition.parent = self
 

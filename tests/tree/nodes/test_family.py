@@ -9,7 +9,21 @@ from py_trees.behaviour import Behaviour
 
 import humanoid_bt as hbt
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.tree.nodes import If, Inverter, Log, Parallel, Selector, Sequence, Switch, Timeout, Wait
+from humanoid_bt.tree.nodes import (
+    Guard,
+    If,
+    Inverter,
+    Log,
+    Parallel,
+    Precondition,
+    Selector,
+    Sequence,
+    Switch,
+    Timeout,
+    Wait,
+    Watchdog,
+    While,
+)
 from humanoid_bt.tree.show import svg_tree
 
 
@@ -40,6 +54,16 @@ MISTAKES: list[tuple[Callable[[], object], str]] = [
     (lambda: Timeout("t", None, duration=1.0), "the child of Timeout 't' must be a node, not None"),
     (lambda: Timeout("t", [wait()], duration=1.0), "the child of Timeout 't' must be a node, not a list"),
     (lambda: If("i", condition=wait(), then=Wait), "a child of If 'i' must be a node, not the class Wait"),
+    (lambda: If("i", condition=None, then=wait()), "the condition of If 'i' must be a node, not None"),
+    (lambda: If("i", condition=wait(), then=wait(), else_=""), "a child of If 'i' must be a node, not text"),
+    (lambda: Switch("s", {1: wait()}, "", value="n"), "a child of Switch 's' must be a node, not text"),
+    (lambda: Guard("g", wait(), condition="1 < 2"), "the condition of Guard 'g' must be a node, not text"),
+    (lambda: While("w", wait(), condition=Wait), "the condition of While 'w' must be a node, not the class Wait"),
+    (lambda: Precondition("p", wait(), condition=None), "the condition of Precondition 'p' must be a node, not None"),
+    (
+        lambda: Watchdog("w", wait(), "idle", percept="p", max_age=1.0),
+        "the on_stale of Watchdog 'w' must be a node, not text",
+    ),
     (
         lambda: Switch("s", [wait()], value="n"),
         "the cases of Switch 's' must be a mapping of values to nodes, not a list",
