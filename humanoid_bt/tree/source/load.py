@@ -192,13 +192,14 @@ class Loader:
         missing = [name for name in file.parameters if name not in arguments and file.parameters[name].default is None]
         parameters = Parameters(file.parameters, arguments, self.problems, complete=False)
         scope = Scope(parameters, file.blackboard, file.outputs, bound, self.problems)
+        before = self._nodes
         root = self._read(file, reader.inside(file, scope))
         if root is None or missing:
             draft.sound = False
         if root is not None:
             draft.children.append(root)
             draft.keys = scope.own_keys
-            self._nodes += sum(1 for _ in root.iterate())
+            self._nodes = before + sum(1 for _ in root.iterate())
 
     def _arguments(self, draft: Draft, body: Item, file: TreeFile, reader: Reader) -> dict[str, Argument]:
         """Return what the sub-tree's parameters are given."""

@@ -117,6 +117,16 @@ def test_a_key_for_what_must_be_known_is_the_callers_mistake(workspace: Workspac
     assert "tried.yaml" in problem.hint
 
 
+@pytest.mark.parametrize("asked", ["seen(thing)", "distance(thing) < 1 m", "thing.class == 'cup'"])
+def test_a_key_cannot_name_a_percept(workspace: Workspace, asked: str) -> None:
+    write(workspace, "near", f'subtree: true\nparameters: {{thing: target}}\nroot: {{condition: "{asked}"}}\n')
+    text = "root: {for_each: {item: k, items: [cup], subtree: {tree: near, thing: $k}}}"
+    (problem,) = problems(workspace, text)
+    assert problem.code == "not-dynamic"
+    assert problem.message.startswith("'thing' names a percept: it must be known before the run")
+    assert problem.place is not None and problem.place.file.endswith("t.yaml")
+
+
 def test_of_nothing_but_a_parameter_it_is_shown(workspace: Workspace) -> None:
     path = write(workspace, "given", "subtree: true\nparameters: {it: {type: node}}\nroot: $it\n")
     assert [node.path for node in load_tree(path, workspace).nodes] == ["given/$it"]
@@ -214,6 +224,17 @@ def test_a_tree_cannot_contain_itself(workspace: Workspace) -> None:
     assert problem.hint == "t -> first -> second -> first"
     assert problem.place is not None
     assert problem.place.file.endswith("second.yaml")
+
+
+def test_nodes_of_sub_trees_in_sub_trees_count_once(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("humanoid_bt.tree.source.load.MAX_NODES", 20)
+    write(workspace, "level0", "root: {sequence: [act, act, act]}")
+    for level in range(1, 4):
+        write(workspace, f"level{level}", f"root: {{subtree: level{level - 1}}}")
+    use = "{subtree: level3}"
+    assert len(load(workspace, f"root: {{sequence: [{use}, {use}, {use}]}}").nodes) == 25
+    with pytest.raises(UserError, match="more than 20 nodes"):
+        load(workspace, f"root: {{sequence: [{use}, {use}, {use}, {use}]}}")
 
 
 def test_doubling_sub_trees_are_bounded(workspace: Workspace) -> None:
