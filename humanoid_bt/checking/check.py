@@ -20,6 +20,7 @@ from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.policy.policy import load_policy
 from humanoid_bt.tree.nodes.registry import Registry
+from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
 
@@ -96,6 +97,7 @@ def settled(found: Mapping[Path, Sequence[Problem]]) -> list[Problem]:
     for file in files:
         path = own.get(file, Path(file))
         complete = path in found and not any(problem.severity == "error" for problem in found[path])
+        complete = complete and not _is_subtree(path)
         try:
             source = read_text(path)
         except UserError:  # a finding tells of it, or it is no file (a value that was set)
@@ -108,6 +110,14 @@ def settled(found: Mapping[Path, Sequence[Problem]]) -> list[Problem]:
         return order.get(where.file, -1), where.line, where.column
 
     return sorted(problems, key=place)
+
+
+def _is_subtree(path: Path) -> bool:
+    """Return whether a file is a tree that is made for use in others: some warnings only come of these."""
+    try:
+        return path.suffix != ".py" and bool(read_file(path, []).header.get("subtree"))
+    except UserError:
+        return False
 
 
 def _load(path: Path, workspace: Workspace, kinds: Kinds) -> Sequence[Problem]:

@@ -91,6 +91,11 @@ def test_an_allowance_that_any_load_needs_is_used(folder: Path) -> None:
     assert told(settled({part: []})) == ["trees/part.yaml:1:7: unused-allow"]
 
 
+def test_an_allowance_of_a_sub_tree_is_for_the_trees_that_use_it(folder: Path) -> None:
+    part = write("trees/part.yaml", "format: 1\nsubtree: true\nroot: idle  # allow no-time-limit: why\n")
+    assert checked(part, Workspace(folder)) == []
+
+
 def test_an_allowance_is_not_called_unused_where_errors_hide_warnings(folder: Path) -> None:
     path = write("trees/a.yaml", "format: 1\nroot: idle  # allow no-time-limit: why\n")
     assert told(checked(path, Workspace(folder))) == ["trees/a.yaml:2:7: outside-emergency-stop"]
