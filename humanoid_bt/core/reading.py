@@ -143,7 +143,7 @@ def with_article(noun: str) -> str:
     """Return a noun with its article: ``a number``; some take none, and no noun is a value."""
     if not noun:
         return "a value"
-    if noun.startswith(("text", "true")) or "|" in noun:
+    if noun.startswith(("text", "true", "anything")) or "|" in noun:
         return noun
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 

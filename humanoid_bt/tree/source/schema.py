@@ -173,7 +173,7 @@ def _declaration() -> Schema:
 def value_schema(spec: Param, literal: bool = False) -> Schema:
     """Return the schema of a parameter's value; unless ``literal`` it may also be a reference."""
     schema = _type(spec.type, spec)
-    if not literal and schema and "string" not in (schema.get("type"), *_types(schema)):
+    if not literal and schema and "string" not in _types(schema):
         schema = {"anyOf": [schema, _REFERENCE]}
     unit = f" [{spec.unit}]" if spec.unit else ""
     schema = {**schema, "description": f"{spec.doc}{unit}"}
@@ -184,7 +184,8 @@ def value_schema(spec: Param, literal: bool = False) -> Schema:
 
 def _types(schema: Schema) -> list[Any]:
     """Return the types of all that a schema accepts without a pattern or an enum."""
-    return [form.get("type") for form in schema.get("anyOf", ()) if not {"pattern", "enum"} & form.keys()]
+    forms = (schema, *schema.get("anyOf", ()))
+    return [form.get("type") for form in forms if not {"pattern", "enum"} & form.keys()]
 
 
 def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)

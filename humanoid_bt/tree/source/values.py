@@ -9,7 +9,7 @@ from typing import Any
 from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
-from humanoid_bt.core.reading import needed, read_values
+from humanoid_bt.core.reading import needed, read_values, with_article
 from humanoid_bt.decision.blackboard import Key, are_keys, exchanged, keys_in
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
@@ -159,7 +159,7 @@ class ValueReader:
 
 def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
     if parameter.spec.unit and parameter.spec.unit != spec.unit:
-        wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
+        wanted = f"in {spec.unit}" if spec.unit else f"{with_article(spec.type_name)} without a unit"
         message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
         if parameter.given is not None and parameter.given.unit:  # the mistake is that of whoever gave it a unit
             raise UserError(message, parameter.given.place, f"{item.value} is used at {item.place}", "wrong-unit")

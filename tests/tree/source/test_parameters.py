@@ -95,6 +95,12 @@ def test_a_unit_that_is_given_is_written(workspace: Workspace, declared: str) ->
             "3:23 'count' is a whole number without a unit, $n in m",
             "$n is declared at",
         ),
+        (
+            "parameters: {n: 1 m}\nroot: {set_blackboard: {key: k, value: $n}}",
+            {},
+            "3:40 'value' is anything without a unit, $n in m",
+            "$n is declared at",
+        ),
         ("parameters: {n: }\nroot: {plain: {count: $n}}", {}, "2:14 the parameter 'n' has no value", "n="),
         ("parameters: {n: {type: number}}\nroot: {plain: {count: $n}}", {}, "2:14 the parameter 'n' has no", "--set"),
         ("parameters: {n: {doc: x}}\nroot: {plain: {count: $n}}", {}, "2:17 the parameter 'n' has neither", "type"),

@@ -100,6 +100,7 @@ def test_what_is_wrong_is_marked(schema: dict[str, Any], text: str) -> None:
         "{format: 1, root: {wait: 500 ms}}",
         "{format: 1, root: {wait: 1e-3}}",
         "{format: 1, root: {wait: $time}}",
+        "{format: 1, root: {set_blackboard: {key: $k, value: 1}}}",
         "{format: 1, root: $action}",
         "{format: 1, root: {retry: {attempts: $n, $action: }}}",
         "{format: 1, root: {emergency_stop: idle}}",
