@@ -40,7 +40,7 @@ class Header:
 PARTS = {
     "parameters": "The tree's parameters: name to default, or to a declaration in full.",
     "blackboard": "Keys with an initial value or a type: name to value, or to a declaration in full.",
-    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration in full.",
+    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration in full, without a default.",
     "root": "The root node.",
 }
 """The keys of a tree file besides its header."""
@@ -127,6 +127,7 @@ def read_file(path: Path, problems: list[Problem]) -> TreeFile:
         declarations(item.value.get("outputs"), "output", found),
     )
     _check_names(file, found)
+    _check_outputs(file, found)
     problems += found
     return file
 
@@ -195,3 +196,12 @@ def _check_names(file: TreeFile, problems: list[Problem]) -> None:
     for name in file.outputs.keys() & file.parameters.keys():
         message = f"the name {name!r} is declared twice in one tree"
         problems.append(Problem(message, file.outputs[name].place, "rename one of them", "taken-name"))
+
+
+def _check_outputs(file: TreeFile, problems: list[Problem]) -> None:
+    """Note outputs with a default: they get what the tree writes, and have no value before."""
+    for name, declared in file.outputs.items():
+        if declared.default is not None:
+            message = f"the output {name!r} cannot have a default: it has no value until a node writes it"
+            hint = f"{name}: {{type: ...}}, and a set_blackboard where the tree begins"
+            problems.append(Problem(message, declared.default.place, hint, "misplaced-key"))

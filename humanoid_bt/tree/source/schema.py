@@ -35,7 +35,6 @@ DIALECT = "http://json-schema.org/draft-07/schema#"
 _NUMBER = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 _REFERENCE: Schema = {"type": "string", "pattern": r"^\$[A-Za-z_]\w*$"}
 _NODE: Schema = {"$ref": "#/definitions/node"}
-_DECLARATIONS: Schema = {"type": "object", "additionalProperties": {"$ref": "#/definitions/declaration"}}
 
 
 def tree_schema(registry: Registry, trees: Mapping[str, NodeType]) -> Schema:
@@ -46,7 +45,7 @@ def tree_schema(registry: Registry, trees: Mapping[str, NodeType]) -> Schema:
         trees: name of a tree -> the type of a sub-tree node that uses it, for those that can be used.
     """
     header = {name: value_schema(spec) for name, spec in params_of(Header).items()}
-    parts = {name: {"description": doc, **(_NODE if name == "root" else _DECLARATIONS)} for name, doc in PARTS.items()}
+    parts = {name: {"description": doc, **_part(name)} for name, doc in PARTS.items()}
     names = {**registry, **{alias: registry[alias] for alias in ALIASES}}
     return {
         "$schema": DIALECT,
@@ -60,6 +59,7 @@ def tree_schema(registry: Registry, trees: Mapping[str, NodeType]) -> Schema:
             "child": {"anyOf": [{"required": [name]} for name in (*names, CHILD)] + [_pattern_key()]},
             "condition": {"anyOf": [{"type": ["string", "boolean", "number"]}, _NODE]},
             "declaration": _declaration(),
+            "output": _declaration(default=False),
             **{f"type_{name}": _body(node_type, names, trees) for name, node_type in names.items()},
         },
     }
@@ -162,12 +162,22 @@ def _pattern_key() -> Schema:
     return {"not": {"propertyNames": {"not": {"pattern": _REFERENCE["pattern"]}}}}
 
 
-def _declaration() -> Schema:
-    """Return the schema of a parameter, a key or an output: its default, or its declaration in full."""
+def _part(name: str) -> Schema:
+    """Return the schema of a part of a tree file: the root node, or what declares names."""
+    if name == "root":
+        return _NODE
+    declared = "output" if name == "outputs" else "declaration"
+    return {"type": "object", "additionalProperties": {"$ref": f"#/definitions/{declared}"}}
+
+
+def _declaration(default: bool = True) -> Schema:
+    """Return the schema of a parameter or a key: its default, or its declaration in full; of an output, without one."""
     properties = {name: value_schema(spec, literal=True) for name, spec in params_of(LongForm).items()}
     properties["unit"] = {**properties["unit"], "enum": ["", *UNITS]}
+    if not default:
+        del properties["default"]
     full = {"type": "object", "properties": properties, "additionalProperties": False}
-    return {"anyOf": [{"type": ["string", "number", "boolean", "array", "null"]}, full]}
+    return {"anyOf": [{"type": ["string", "number", "boolean", "array", "null"] if default else "null"}, full]}
 
 
 def value_schema(spec: Param, literal: bool = False) -> Schema:

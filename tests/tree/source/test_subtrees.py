@@ -263,6 +263,11 @@ def test_a_broken_sub_tree_is_told_once_and_with_its_own_place(workspace: Worksp
     [
         ("parameters: {tree: a}\nroot: {act: {script: $tree}}", "'tree' cannot be called so"),
         ("outputs: {x: {type: text}}\nroot: act", "nothing writes the output 'x'"),
+        ("outputs: {x: 1}\nroot: {set_blackboard: {key: x, value: 2}}", "the output 'x' cannot have a default"),
+        (
+            "outputs: {x: {type: number, default: 1}}\nroot: {set_blackboard: {key: x, value: 2}}",
+            "the output 'x' cannot have a default",
+        ),
         (
             "parameters: {x: 1}\noutputs: {x: {type: number}}\nroot: {set_blackboard: {key: x, value: $x}}",
             "declared twice",
