@@ -40,7 +40,7 @@ class Header:
 PARTS = {
     "parameters": "The tree's parameters: name to default, or to a declaration in full.",
     "blackboard": "Keys with an initial value or a type: name to value, or to a declaration in full.",
-    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration in full, without a default.",
+    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration, without a default.",
     "root": "The root node.",
 }
 """The keys of a tree file besides its header."""

@@ -266,7 +266,8 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
     if not isinstance(item.value, dict):
         message = f"the {what}s must be a mapping, not {item.kind}"
         parts = item.value if isinstance(item.value, list) else []
-        problems.append(Problem(message, item.place, "name: default" + ", without dashes" * bool(parts), "wrong-type"))
+        hint = "name: {type: ...}" if what == "output" else "name: default"
+        problems.append(Problem(message, item.place, hint + ", without dashes" * bool(parts), "wrong-type"))
         return {name: found for part in parts for name, found in _declared_in(part, what).items()}
     for name, value in item.value.items():
         place = item.key_places[name]

@@ -62,6 +62,7 @@ class Reader:
         self._problems = problems
         self._values = ValueReader(scope, problems)
         self._mender = Mender(registry, problems)
+        self._defaults: list[str] = []  # parameters whose default is being read, the outermost first
         self.files = files
         self.scope = scope
 
@@ -134,9 +135,10 @@ class Reader:
 
     def _given(self, text: str, body: Item, place: Place) -> Draft | None:
         """Read a node that stands for a parameter: in the names of whoever gave it."""
-        parameter = self.scope.parameters.find(text[1:])
+        name = text[1:]
+        parameter = self.scope.parameters.find(name)
         if parameter is None or parameter.spec.type is not NodeItem:
-            nodes = [f"${name}" for name in self.scope.parameters if self._is_node(name)]
+            nodes = [f"${known}" for known in self.scope.parameters if self._is_node(known)]
             hint = nearest(text, nodes) or "the tree declares no parameter of type node"
             self._problem(f"{text!r} is no node", place, hint, "unknown-reference")
             return None
@@ -145,9 +147,17 @@ class Reader:
             return None
         if not parameter.known:
             return Draft(placeholder(text, parameter.spec.doc), place, text, sound=False)
-        given = parameter.given
-        reader = given.reader if given else self
-        draft: Draft | None = reader.node(given.value if given else parameter.value, f"the parameter {text[1:]!r}")
+        where = f"the parameter {name!r}"
+        draft: Draft | None = None
+        if parameter.given:
+            draft = parameter.given.reader.node(parameter.given.value, where)
+        elif name in self._defaults:
+            names = " -> ".join((*self._defaults, name))
+            self._problem(f"the node {text!r} would contain itself", place, names, "subtree-cycle")
+        else:
+            self._defaults.append(name)
+            draft = self.node(parameter.value, where)
+            self._defaults.pop()
         return draft
 
     def _is_node(self, name: str | None) -> bool:

@@ -237,6 +237,33 @@ def test_nodes_of_sub_trees_in_sub_trees_count_once(workspace: Workspace, monkey
         load(workspace, f"root: {{sequence: [{use}, {use}, {use}, {use}]}}")
 
 
+@pytest.mark.parametrize(
+    ("parameters", "names"),
+    [
+        ("x: {type: node, default: $x}", "x -> x"),
+        ("x: {type: node, default: {sequence: [act, $x]}}", "x -> x"),
+        ("x: {type: node, default: $y}, y: {type: node, default: {inverter: {$x: }}}", "x -> y -> x"),
+        (
+            "x: {type: node, default: {subtree: {tree: tried, action: $x}}}",
+            "x -> x",
+        ),
+    ],
+)
+def test_a_node_cannot_contain_itself(workspace: Workspace, parameters: str, names: str) -> None:
+    write(workspace, "tried", TRIED)
+    (problem,) = problems(workspace, f"parameters: {{{parameters}}}\nroot: $x\n")
+    assert (problem.message, problem.hint, problem.code) == (
+        "the node '$x' would contain itself",
+        names,
+        "subtree-cycle",
+    )
+
+
+def test_a_node_that_is_a_default_may_be_used_twice(workspace: Workspace) -> None:
+    tree = load(workspace, "parameters: {x: {type: node, default: act}}\nroot: {sequence: [$x, {inverter: {$x: }}]}")
+    assert [node.name for node in tree.nodes] == ["sequence", "act", "inverter", "act"]
+
+
 def test_doubling_sub_trees_are_bounded(workspace: Workspace) -> None:
     write(workspace, "level0", "root: act")
     for level in range(1, 30):
