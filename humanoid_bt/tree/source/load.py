@@ -30,7 +30,7 @@ from humanoid_bt.tree.source.scope import Scope
 from humanoid_bt.tree.tree import Tree
 
 MAX_NODES = 10_000
-"""Most nodes of one tree, its sub-trees counted each time they are used."""
+"""Most nodes of one tree, sub-trees and nodes that are parameters counted each time they are used."""
 
 
 def load_tree(
@@ -170,6 +170,14 @@ class Loader:
         keys = {name: Param(name, Key | None, None, spec.doc) for name, spec in outputs.items()}
         return replace(node_type, params={**node_type.params, **params, **keys}, branches=nodes, outputs=outputs)
 
+    def takes_one_more(self, place: Place) -> bool:
+        """Count a node; note it once, and return False, if there are too many."""
+        self._nodes += 1
+        if self._nodes == MAX_NODES + 1:
+            message = f"the tree has more than {MAX_NODES} nodes, its sub-trees expanded"
+            self.problems.append(Problem(message, place, "use fewer or smaller sub-trees", "too-large"))
+        return self._nodes <= MAX_NODES
+
     def expand(self, draft: Draft, body: Item, reader: Reader) -> None:
         """Read the nodes of a sub-tree into the draft of the node that uses it."""
         item = body.value.get("tree")
@@ -182,24 +190,17 @@ class Loader:
             self.problems.append(Problem(message, item.place, names, "subtree-cycle"))
             draft.sound = False
             return
-        if self._nodes > MAX_NODES:
-            message = f"the tree has more than {MAX_NODES} nodes, its sub-trees expanded"
-            self.problems.append(Problem(message, item.place, "use fewer or smaller sub-trees", "too-large"))
-            draft.sound = False
-            return
         arguments = self._arguments(draft, body, file, reader)
         bound = {name: draft.values[name] for name in file.outputs if isinstance(draft.values.get(name), Key)}
         missing = [name for name in file.parameters if name not in arguments and file.parameters[name].default is None]
         parameters = Parameters(file.parameters, arguments, self.problems, complete=False)
         scope = Scope(parameters, file.blackboard, file.outputs, bound, self.problems)
-        before = self._nodes
         root = self._read(file, reader.inside(file, scope))
         if root is None or missing:
             draft.sound = False
         if root is not None:
             draft.children.append(root)
             draft.keys = scope.own_keys
-            self._nodes = before + sum(1 for _ in root.iterate())
 
     def _arguments(self, draft: Draft, body: Item, file: TreeFile, reader: Reader) -> dict[str, Argument]:
         """Return what the sub-tree's parameters are given."""

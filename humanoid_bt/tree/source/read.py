@@ -34,6 +34,9 @@ class SubTrees(Protocol):
             UserError: there is no such tree, or its file cannot be used.
         """
 
+    def takes_one_more(self, place: Place) -> bool:
+        """Count a node; note it once, and return False, if there are too many."""
+
     def expand(self, draft: Draft, body: Item, reader: Reader) -> None:
         """Read the nodes of a sub-tree into the draft of the node that uses it."""
 
@@ -112,6 +115,9 @@ class Reader:
                 node_type = self._subtrees.specialise(node_type, body if body.value else Item({}, place))
         except UserError as error:
             self._problems += error.problems
+            self.scope.suppose(body)
+            return None
+        if not self._subtrees.takes_one_more(place):
             self.scope.suppose(body)
             return None
         draft = Draft(node_type, place, node_type.type_name, word=type_name)

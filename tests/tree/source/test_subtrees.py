@@ -226,15 +226,26 @@ def test_a_tree_cannot_contain_itself(workspace: Workspace) -> None:
     assert problem.place.file.endswith("second.yaml")
 
 
-def test_nodes_of_sub_trees_in_sub_trees_count_once(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("humanoid_bt.tree.source.load.MAX_NODES", 20)
+def test_nodes_count_once_for_each_place_where_they_stand(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("humanoid_bt.tree.source.load.MAX_NODES", 25)
     write(workspace, "level0", "root: {sequence: [act, act, act]}")
     for level in range(1, 4):
         write(workspace, f"level{level}", f"root: {{subtree: level{level - 1}}}")
     use = "{subtree: level3}"
     assert len(load(workspace, f"root: {{sequence: [{use}, {use}, {use}]}}").nodes) == 25
-    with pytest.raises(UserError, match="more than 20 nodes"):
-        load(workspace, f"root: {{sequence: [{use}, {use}, {use}, {use}]}}")
+    (problem,) = problems(workspace, f"root: {{sequence: [{use}, {use}, {use}, {use}]}}")
+    assert (problem.message, problem.code) == ("the tree has more than 25 nodes, its sub-trees expanded", "too-large")
+
+
+def test_doubling_nodes_are_bounded(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("humanoid_bt.tree.source.load.MAX_NODES", 500)
+    pairs = [
+        f"p{level}: {{type: node, default: {{sequence: [$p{level - 1}, $p{level - 1}]}}}}" for level in range(1, 30)
+    ]
+    text = f"parameters: {{p0: {{type: node, default: act}}, {', '.join(pairs)}}}\nroot: $p29\n"
+    assert [problem.code for problem in problems(workspace, text)] == ["too-large"]
 
 
 @pytest.mark.parametrize(
@@ -264,7 +275,8 @@ def test_a_node_that_is_a_default_may_be_used_twice(workspace: Workspace) -> Non
     assert [node.name for node in tree.nodes] == ["sequence", "act", "inverter", "act"]
 
 
-def test_doubling_sub_trees_are_bounded(workspace: Workspace) -> None:
+def test_doubling_sub_trees_are_bounded(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("humanoid_bt.tree.source.load.MAX_NODES", 500)
     write(workspace, "level0", "root: act")
     for level in range(1, 30):
         write(
