@@ -120,7 +120,7 @@ class NodeType:
         return tuple(resource for resource in self.resources if resource in wanted)
 
     def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
-        """Return parameter -> percepts that a node with these parameter values names."""
+        """Return parameter -> percepts that a node with these parameter values names, as far as they are known."""
         found: dict[str, list[str]] = {}
         if self.kind == "subtree":
             return found  # the nodes in it tell
@@ -129,7 +129,7 @@ class NodeType:
                 value = values.get(name, None if spec.required else spec.default)
                 found[name] = [value] if isinstance(value, str) else list(value or ())
             elif isinstance(value := values.get(name), (Expression, Fields)):
-                found[name] = list(dict.fromkeys(value.percepts))
+                found[name] = list(dict.fromkeys(filter(None, value.percepts)))
         return found
 
 

@@ -55,7 +55,10 @@ class Names(Protocol):
         """Return type and value of a parameter or a key of the blackboard, None if there is none of this name."""
 
     def percept(self, name: str) -> str:
-        """Return the percept that a name means: the value of a parameter of this name, else the name itself."""
+        """Return the percept that a name means: the value of a parameter of this name, else the name itself.
+
+        "" is a percept that is not known: the parameter of a sub-tree that is looked at alone has no value.
+        """
 
     def is_set(self, name: str) -> Callable[[], bool] | None:
         """Return what tells whether a key has a value, None if there is no such key."""

@@ -193,7 +193,7 @@ class Scope:
         return _of(known), lambda: key.value
 
     def percept(self, name: str) -> str:
-        """Return the percept that a name means: a parameter's value, else the name itself.
+        """Return the percept that a name means: a parameter's value, "" if it has none yet; else the name itself.
 
         Raises:
             UserError: the parameter is given a key of the blackboard.
@@ -202,6 +202,8 @@ class Scope:
         if parameter is not None and parameter.given is not None and isinstance(parameter.value, Key):
             message = f"{name!r} names a percept: it must be known before the run, and is given a key of the blackboard"
             raise UserError(message, parameter.given.place, "give it a value or a parameter", "not-dynamic")
+        if parameter is not None and not parameter.known:
+            return ""
         return parameter.value if parameter is not None and isinstance(parameter.value, str) else name
 
     def is_set(self, name: str) -> Callable[[], bool] | None:

@@ -55,6 +55,12 @@ def test_names_of_robots_and_scenes_are_looked_up(workspace: Workspace) -> None:
     assert hint.startswith("did you mean 'humanoid'?")
 
 
+def test_a_percept_that_is_a_parameter_without_a_value_is_not_known(workspace: Workspace) -> None:
+    head = "subtree: true\nscene: ball_on_stand\n"
+    assert not found(workspace, head + "parameters: {p: {type: percept}}\nroot: {condition: seen(p)}")
+    assert found(workspace, head + "parameters: {p: ball}\nroot: {condition: seen(p)}", "unknown-percept")
+
+
 def test_a_percept_that_the_scene_does_not_publish_is_told_once(workspace: Workspace) -> None:
     text = tree("idle: ", "scene: ball_on_stand").replace("target", "taget")
     (warning,) = load(workspace, text).warnings

@@ -197,6 +197,7 @@ def test_a_sub_tree_alone_needs_nothing_around_it_and_no_values(workspace: Works
         ("{subtree: {tree: actin, script: s}}", "unknown-tree", "no tree named 'actin'"),
         ("{subtree: acting}", "missing-parameter", "the parameter 'script' of 'subtree' is missing"),
         ("{subtree: {tree: acting, script: 3}}", "wrong-type", "'script' must be text"),
+        ("{subtree: near}", "missing-parameter", "the parameter 'thing' of 'subtree' is missing"),
         ("{subtree: {tree: acting, script: s, scrip: s}}", "unknown-parameter", "unknown parameter 'scrip'"),
         ("{subtree: {tree: tried, attempts: 1 m, action: act}}", "wrong-unit", "'attempts' has the unit 'm'"),
         ("{subtree: {tree: tried}}", "missing-parameter", "the node 'action' of 'subtree' is missing"),
@@ -207,7 +208,8 @@ def test_a_sub_tree_alone_needs_nothing_around_it_and_no_values(workspace: Works
     ],
 )
 def test_mistakes_in_its_use(workspace: Workspace, text: str, code: str, message: str) -> None:
-    for name, tree in (("acting", ACT), ("tried", TRIED), ("counted", COUNTED)):
+    near = "subtree: true\nparameters: {thing: {type: percept}}\nroot: {condition: seen(thing)}\n"
+    for name, tree in (("acting", ACT), ("tried", TRIED), ("counted", COUNTED), ("near", near)):
         write(workspace, name, tree)
     (problem,) = problems(workspace, f"root: {text}")
     assert message in problem.message
