@@ -34,6 +34,18 @@ def place(values: Any, size: int) -> Array:
     return found
 
 
+def way(points: Any) -> Array | None:
+    """Return points of a way, shape (n, 2) [m], None if there are none; raises ValueError as :func:`place`."""
+    found: Array = np.array(points, dtype=float)
+    if not found.size:
+        return None
+    if found.ndim != 2 or found.shape[1] != 2:
+        raise ValueError(f"the points of a way must have shape (n, 2), not {found.shape}")
+    if not (np.abs(found) <= WORKSPACE).all():
+        raise ValueError(f"the points of a way must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
+    return found
+
+
 def number(value: Any, what: str, most: float, unit: str, least: float | None = None) -> float:
     """Return a number; raises ValueError if it is not finite, or out of its range.
 

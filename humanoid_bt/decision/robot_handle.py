@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import (
@@ -28,7 +26,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
-from humanoid_bt.decision.arguments import how_turned, number, place, side_of, speed_of
+from humanoid_bt.decision.arguments import how_turned, number, place, side_of, speed_of, way
 from humanoid_bt.decision.robot import LEVELS, Robot
 from humanoid_bt.perception.track import Track
 
@@ -143,8 +141,12 @@ class RobotHandle:
         self._set("base", BaseTarget(place(position, 2), facing))
 
     def show_route(self, points: Any) -> None:
-        """Show people, in the recording, the way that the base is to take: shape (n, 2), world frame [m]."""
-        self.route = np.array(points, dtype=float)
+        """Show people, in the recording, the way that the base is to take: shape (n, 2), world frame [m].
+
+        Raises:
+            ValueError: it has another shape, a number is not finite, or a point is out of the world.
+        """
+        self.route = way(points)
 
     def touched(self, side: Side) -> str:
         """Say that an arm yields because something touched it, "" if none did: ``right arm touched something: 43 N``.

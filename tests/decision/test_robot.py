@@ -197,5 +197,22 @@ def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
     handle.walk_to([1.0, 0.0], 0.0)
     handle.show_route([[0.0, 0.0], [1.0, 0.0]])
     assert [route.tolist() for route in robot.routes] == [[[0.0, 0.0], [1.0, 0.0]]]
+    handle.show_route([])
+    assert robot.routes == []
+    handle.show_route([[0.0, 0.0]])
     robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.02), {})
     assert robot.routes == []
+
+
+@pytest.mark.parametrize(
+    ("points", "why"),
+    [
+        ([1, 2], r"must have shape \(n, 2\), not \(2,\)"),
+        ([[0, 0, 0], [1, 1, 0]], r"must have shape \(n, 2\), not \(2, 3\)"),
+        ([[0, 0], [math.nan, 1]], "must be within 2000 m of the origin, not .*nan"),
+        ([[0, 0], [2001, 1]], "must be within 2000 m of the origin, not .*2001"),
+    ],
+)
+def test_what_is_no_way_is_refused(robot: Robot, points: list[object], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        RobotHandle(robot, "walk", ("base",)).show_route(points)
