@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.core.texts import listed
+from humanoid_bt.decision.arguments import side_of
 from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.perception.track import Track
 
@@ -43,8 +45,15 @@ class HandRoute:
             side: of the hand.
             goal: where it is to get, shape (3,), world frame [m].
             ignore: obstacles that it may come to, such as the one that it reaches for.
+
+        Raises:
+            HumanoidBtError: the robot has no such hand.
+            ValueError: there is no such side.
         """
-        end, palm = np.array(goal, dtype=float), self._robot.state.hands[side]
+        palm = self._robot.state.hands.get(side_of(side))
+        if palm is None:
+            raise HumanoidBtError(f"the robot has no {side} hand")
+        end = np.array(goal, dtype=float)
         here = self._robot.state.stance[:2]
         boxes = [
             box

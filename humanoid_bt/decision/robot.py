@@ -16,6 +16,7 @@ from humanoid_bt.core.clock import DECISION_PERIOD, Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import RESOURCES, Array, Command, Level, Percept, State, Target
+from humanoid_bt.core.texts import listed
 from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.track import Track
 
@@ -85,6 +86,7 @@ class Robot:
         self._tell = log or _to_log
         self.calls = calls
         self.config = config
+        self._resources = config.resources
         self._engine_clock = clock
         self.clock = TreeClock(clock)
         self._state: State | None = None
@@ -247,11 +249,13 @@ class Robot:
         """Let a node command a resource in this tick.
 
         Raises:
-            HumanoidBtError: the node has not declared it.
+            HumanoidBtError: the node has not declared it, or the robot does not have it.
         """
         if resource not in handle.resources:
             wanted = tuple(name for name in RESOURCES if name in (*handle.resources, resource))
             raise HumanoidBtError(f"commands {resource!r} without declaring it; its class needs resources = {wanted}")
+        if resource not in self._resources:
+            raise HumanoidBtError(f"commands {resource!r}: the robot has none, only {listed(self._resources)}")
         self._commanding[handle] = None
 
     def _place(self, percept: Percept) -> tuple[Array, float, Array]:

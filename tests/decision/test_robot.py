@@ -12,6 +12,7 @@ import pytest
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
 from humanoid_bt.core.messages import RESOURCES, SIGHT, Percept, State
+from humanoid_bt.decision.hand_route import HandRoute
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 from tests.tree.helpers import make_robot, make_state, seen
@@ -151,6 +152,22 @@ def test_what_can_be_seen_can_be_looked_at_from_wherever_the_robot_stands(robot:
     assert track is not None
     RobotHandle(robot, "t/look", ("gaze",)).look_at(track.position_world)
     assert robot.commit().targets
+
+
+def test_a_hand_that_the_robot_lacks_is_not_commanded(clock: CycleClock) -> None:
+    handle = RobotHandle(make_robot(clock, hands=["left"]), "t/all", RESOURCES)
+    with pytest.raises(HumanoidBtError, match="'right_hand': the robot has none, only base, left_hand, gaze and post"):
+        handle.move_hand("right", (0, 0, 1))
+    assert not handle.targets
+
+
+def test_a_hand_that_the_robot_lacks_has_no_way(robot: Robot) -> None:
+    robot.begin_tick(dataclasses.replace(make_state(), hands={"left": np.zeros(3)}), {})
+    route = HandRoute(RobotHandle(robot, "t/reach", RESOURCES))
+    with pytest.raises(HumanoidBtError, match="the robot has no right hand"):
+        route.next("right", (0, 0, 1))
+    with pytest.raises(ValueError, match="a side is 'left' or 'right', not 'up'"):
+        route.next("up", (0, 0, 1))  # type: ignore[arg-type]  # what a user may write
 
 
 @pytest.mark.parametrize("turns", [-1, 1, 200])

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import Command, FootPose, Gait, Level, Mode, Percept, State
+from humanoid_bt.core.messages import SIDES, Command, FootPose, Gait, Level, Mode, Percept, Side, State
 from humanoid_bt.decision.calls import Calls
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.robot.config import GazeConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.robot.config import GazeConfig, HandConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -167,7 +167,10 @@ def make_workspace(root: Path, skills: str = SKILLS) -> Workspace:
 
 
 def make_robot(
-    clock: CycleClock, log: Callable[[str, Level, str], None] | None = None, calls: Calls | None = None
+    clock: CycleClock,
+    log: Callable[[str, Level, str], None] | None = None,
+    calls: Calls | None = None,
+    hands: Sequence[Side] = SIDES,
 ) -> Robot:
     """Return a robot."""
     sole = SiteConfig(body="foot")
@@ -180,6 +183,7 @@ def make_robot(
         torso="torso",
         legs={"left": leg, "right": leg},
         sole=SoleConfig(half_length=0.1, half_width=0.05),
+        hands={side: HandConfig(body=f"{side}_palm") for side in hands},
         gaze=GazeConfig(body="head"),
         drives=[],
     )
