@@ -116,7 +116,7 @@ class Route:
             costs: of ending at each, as metres of way, shape (n,); none if not given.
             ignore: as of :meth:`follow`.
         """
-        goals, around = np.array(places, dtype=float), self._around.look()
+        goals, around = _places(places), self._around.look()
         worth = np.zeros(len(goals)) if costs is None else np.array(costs, dtype=float)
         free = np.array([not taken for taken in self._taken(around, goals, ignore)])
         numbers = np.flatnonzero(free)
@@ -133,7 +133,7 @@ class Route:
             places: them.
             ignore: as of :meth:`follow`.
         """
-        return [not taken for taken in self._taken(self._around.look(), np.array(places, dtype=float), ignore)]
+        return [not taken for taken in self._taken(self._around.look(), _places(places), ignore)]
 
     def is_straight(self, place: Any) -> bool:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
@@ -281,6 +281,12 @@ class Route:
         if self._waits_at is not None:
             x, y = self._around.place(min(unseen, key=lambda track: track.distance).name) - state.stance[:2]
             self._robot.walk_to(self._waits_at, math.atan2(y, x))
+
+
+def _places(places: Any) -> Array:
+    """Return places as an array, shape (n, 2), also where there are none."""
+    found: Array = np.array(places, dtype=float)
+    return found if found.size else np.empty((0, 2))
 
 
 def _lengths(points: Array) -> Array:

@@ -58,3 +58,12 @@ def test_what_it_walks_up_to_leaves_room_for_a_robot_that_faces_it(
     assert route.free([place]) == [past]
     assert route.nearest([place], ignore=["bench"]) == (0 if up_to else None)
     assert route.follow(place, heading=0.0, ignore=["bench"]) == up_to
+
+
+def test_of_no_places_none_is_free_or_nearest_whatever_was_seen() -> None:
+    robot = make_robot(CycleClock())
+    route = Route(RobotHandle(robot, "walk", ("base",)))
+    for percepts in ({}, {"box": Percept("box", 0.0, np.array([2.0, 0.0, -0.4]), 0.9, np.full(3, 0.5))}):
+        robot.begin_tick(make_state(), percepts)
+        assert route.free([]) == []
+        assert route.nearest([], []) is None
