@@ -9,6 +9,7 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.class_files import class_place
 from humanoid_bt.testing.check_skill_lives import Life, Moment, Subject
 from humanoid_bt.testing.check_skill_result import RULES, RuleResult, SkillCheck
@@ -112,8 +113,8 @@ def _ending(subject: Subject, seen: Evidence) -> str:
 def _commands(subject: Subject, seen: Evidence) -> str:
     try:
         declared = subject.node_type.commands(subject.values)
-    except Exception as error:  # the skill's code is the user's
-        raise Broken(f"resources_for raised {type(error).__name__}: {error}") from error
+    except UserError as error:
+        raise Broken(error.problems[0].message) from error
     if beyond := [name for name in seen.commanded if name not in declared]:
         raise Broken(f"it commands {_list(beyond)}, and declares {_list(declared)}")
     unused = [name for name in declared if name not in seen.commanded]

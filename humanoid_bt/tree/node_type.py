@@ -13,7 +13,9 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.core.texts import told
 from humanoid_bt.decision.blackboard import Key, names_key
 from humanoid_bt.decision.result import Result, declared_results
 from humanoid_bt.decision.skill import Skill
@@ -111,12 +113,24 @@ class NodeType:
         return results
 
     def commands(self, values: Mapping[str, Any]) -> tuple[str, ...]:
-        """Return the resources that a node with these parameter values may command."""
+        """Return the resources that a node with these parameter values may command.
+
+        Raises:
+            UserError: its class cannot tell.
+        """
         narrowed = getattr(self.cls, "resources_for", None)
         from_keys = (name for name, value in values.items() if isinstance(value, Key))
         if narrowed is None or not all(names_key(self.params[name].type) for name in from_keys):
             return self.resources
-        wanted = set(narrowed(self.complete(values)))
+        try:
+            returned = narrowed(self.complete(values))
+            wanted = returned if isinstance(returned, str) else tuple(returned)
+            if isinstance(wanted, str) or not set(wanted).issubset(self.resources):
+                raise ValueError(f"resources_for returned {wanted!r}")
+        except Exception as error:  # the skill's code is the user's
+            message = f"{self.type_name!r} cannot tell what it commands: {told(error)}"
+            hint = f"its resources_for is to return a tuple with some of: {', '.join(self.resources)}"
+            raise UserError(message, hint=hint, code="broken-skill") from error
         return tuple(resource for resource in self.resources if resource in wanted)
 
     def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:

@@ -53,7 +53,7 @@ FURTHER = {
     "rested": ("restarting", "started again where it had ended it raised RuntimeError: the hand is up", "is up"),
     "instant": ("ending", "it declares runs = False, and was RUNNING", ""),
     "pushing": ("snapshot", "it wrote over track('target').position_world", ""),
-    "undecided": ("commands", "resources_for raised KeyError: 'target'", ""),
+    "undecided": ("commands", "'undecided' cannot tell what it commands: KeyError: 'target'", ""),
     "silent": ("reasons", "it failed without a word at 0.00 s", ""),
     "noted": ("reasons", "it failed with 'not possible': no value, no name of a thing", ""),
     "terse": ("lost", "after its percepts were lost it ran on without a word", ""),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import inspect
 from collections.abc import Mapping
+from dataclasses import replace
 
 from py_trees.common import Status
 
-from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.results import AT_ONCE, NEVER_ENDS, NOTHING, Below, Results
 
@@ -62,7 +63,7 @@ class Facts:
                 values = leaf.type.complete(leaf.values)
                 for name, spec in leaf.type.params.items():
                     other = not values.get(name)
-                    with contextlib.suppress(Exception):  # the skill's code is the user's
+                    with contextlib.suppress(UserError):
                         if spec.type is bool and resource not in leaf.type.commands({**values, name: other}):
                             return f"{name}: {str(other).lower()} in {leaf.name!r}"
         return ""
@@ -104,10 +105,8 @@ class Facts:
             return draft.type.resources
         try:
             return draft.type.commands(draft.values)
-        except Exception as error:  # the skill's code is the user's
-            what = f"{type(error).__name__}: {error}"
-            message = f"{draft.type.type_name!r} cannot tell what it commands: {what}"
-            self.problems.append(Problem(message, draft.place, "raised by its resources_for", "broken-skill"))
+        except UserError as error:
+            self.problems += [replace(problem, place=draft.place) for problem in error.problems]
             return draft.type.resources
 
     def _bounded_of(self, draft: Draft, below: list[Draft]) -> bool:

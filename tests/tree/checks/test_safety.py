@@ -95,18 +95,31 @@ def test_a_parameter_from_the_blackboard_may_be_anything(workspace: Workspace) -
     assert found(workspace, text, "resource-overlap")
 
 
-def test_a_skill_that_cannot_tell_what_it_commands_is_answered_with_its_place(workspace: Workspace) -> None:
+@pytest.mark.parametrize(
+    ("returned", "error"),
+    [
+        ("values['nothing']", "KeyError: 'nothing'"),
+        ("None", "TypeError: 'NoneType' object is not iterable"),
+        ("('gaze')", "ValueError: resources_for returned 'gaze'"),
+        ("('gase',)", "ValueError: resources_for returned ('gase',)"),
+        ("('gaze', 'base')", "ValueError: resources_for returned ('gaze', 'base')"),
+    ],
+)
+def test_a_skill_that_cannot_tell_what_it_commands_is_answered_with_its_place(
+    workspace: Workspace, returned: str, error: str
+) -> None:
     (workspace.root / "skills" / "odd.py").write_text(
         "from humanoid_bt.decision.skill import Skill, Status\n"
         "class Odd(Skill):\n"
         "    resources = ('gaze',)\n"
         "    @classmethod\n"
-        "    def resources_for(cls, values): return values['nothing']\n"
+        f"    def resources_for(cls, values): return {returned}\n"
         "    def update(self): return Status.SUCCESS\n"
     )
     assert found(workspace, "root: {emergency_stop: odd}", "broken-skill") == [
-        "2:24 broken-skill 'odd' cannot tell what it commands: KeyError: 'nothing'"
+        f"2:24 broken-skill 'odd' cannot tell what it commands: {error}"
     ]
+    assert found(workspace, "root: odd", "outside-emergency-stop")
 
 
 def test_percepts_of_expressions_stand_below_a_watchdog(workspace: Workspace) -> None:
