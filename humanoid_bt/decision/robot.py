@@ -26,6 +26,9 @@ if TYPE_CHECKING:  # a skill's file is imported without it
     from humanoid_bt.robot.config import RobotConfig
     from humanoid_bt.robot.model import RobotModel
 
+Placed = tuple[Percept, Array, float, Array]
+"""A percept, where it is in the world, the heading of the box around it, how the base was turned when it was seen."""
+
 _log = logging.getLogger(__name__)
 LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
@@ -90,7 +93,7 @@ class Robot:
         self._engine_clock = clock
         self.clock = TreeClock(clock)
         self._state: State | None = None
-        self._percepts: dict[str, tuple[Percept, Array, float, Array]] = {}
+        self._percepts: dict[str, Placed] = {}
         self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
         self._now = 0.0  # the tick's start
         self._past: deque[tuple[float, Array, Array]] = deque(maxlen=_POSES)  # time, position, quaternion of the base
@@ -192,7 +195,7 @@ class Robot:
         for name, percept in percepts.items():
             known = self._percepts.get(name)
             if known is None or _is_news(percept, known[0]):
-                self._percepts[name] = (percept, *self._place(percept))
+                self._percepts[name] = self._place(percept, known)
         self._tracks.clear()
         for handle in self._commanding:
             handle.release()
@@ -258,13 +261,19 @@ class Robot:
             raise HumanoidBtError(f"commands {resource!r}: the robot has none, only {listed(self._resources)}")
         self._commanding[handle] = None
 
-    def _place(self, percept: Percept) -> tuple[Array, float, Array]:
-        """Return where a percept is in the world, the heading of the box around it, and how the base was turned."""
+    def _place(self, percept: Percept, known: Placed | None) -> Placed:
+        """Return a percept as it is in the world; it has the size of the one known before if it has none itself.
+
+        What is solid stays so until it is gone.
+        """
         _, base, quaternion = self._base_at(percept.stamp)
         turn = rotation_matrix(quaternion)
         position: Array = base + turn @ percept.position
         position.setflags(write=False)
-        return position, percept.heading + heading_of(turn), quaternion
+        heading = percept.heading + heading_of(turn)
+        if percept.size is None and known is not None and known[0].size is not None and known[0].confidence > 0:
+            percept, heading = replace(percept, size=known[0].size), known[2]
+        return percept, position, heading, quaternion
 
     def _base_at(self, time: float) -> tuple[float, Array, Array]:
         """Return where the base was at the tick nearest to a time [s], mostly one of the latest."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.messages import Array, Percept
-from humanoid_bt.decision.robot import Commands, Robot
+from humanoid_bt.decision.robot import Commands, Placed, Robot
 from humanoid_bt.perception.track import Track
 from humanoid_bt.robot.config import RobotConfig
 
@@ -54,8 +54,8 @@ class WatchedRobot(Robot):
         """The percepts whose place a skill has written over."""
         return [name for name, given, kept in self._placed if not np.array_equal(given, kept)]
 
-    def _place(self, percept: Percept) -> tuple[Array, float, Array]:
-        kept, heading, turn = super()._place(percept)
+    def _place(self, percept: Percept, known: Placed | None) -> Placed:
+        percept, kept, heading, turn = super()._place(percept, known)
         given = kept.copy()  # can be written to
         self._placed.append((percept.name, given, kept))
-        return given, heading, turn
+        return percept, given, heading, turn

@@ -208,6 +208,21 @@ def test_what_is_known_to_be_gone_is_no_obstacle_until_it_is_seen_again(robot: R
     assert [track.name for track in robot.obstacles] == ["cart"]
 
 
+def test_what_is_solid_stays_so_where_a_percept_has_no_size_until_it_is_gone(robot: Robot) -> None:
+    cart = Percept("cart", 0.0, np.array([1.0, 0.0, -0.3]), 0.9, np.array([0.4, 0.6, 0.8]), 0.2)
+    robot.begin_tick(standing(0.0, 0.0, math.pi / 2), {"cart": cart})
+    bare = dataclasses.replace(cart, stamp=0.02, position=np.array([1.5, 0.0, -0.3]), size=None, heading=0.0)
+    robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.02), {"cart": bare})
+    (obstacle,) = robot.obstacles
+    assert obstacle.size is cart.size
+    assert obstacle.heading_world == pytest.approx(math.pi / 2 + 0.2)
+    assert obstacle.position_world[0] == pytest.approx(1.5)
+    for stamp, confidence in ((0.04, 0.0), (0.06, 0.9)):
+        again = dataclasses.replace(bare, stamp=stamp, confidence=confidence)
+        robot.begin_tick(standing(0.0, 0.0, 0.0, time=stamp), {"cart": again})
+        assert robot.obstacles == []
+
+
 def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
     robot.begin_tick(standing(0.0, 0.0, 0.0), {})
     handle = RobotHandle(robot, "walk", ("base",))
