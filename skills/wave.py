@@ -22,7 +22,7 @@ class Wave(Skill):
     bounded = True  # by its patience
     either_hand = True
 
-    target: PerceptName | None = param(None, doc="Percept on whose side the nearest hand is; default: the right hand.")
+    target: PerceptName | None = param(None, doc="Percept on whose side the nearest hand is; default: the right one.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
     times: int = param(3, minimum=1, doc="How often.")
     width: float = param(0.16, unit="m", above=0, maximum=0.3, doc="How far from side to side.")
@@ -32,9 +32,8 @@ class Wave(Skill):
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
-        """Return one hand unless the nearest to a target is to be chosen."""
-        by_target = values["hand"] == "nearest" and values["target"]
-        return cls.resources if by_target else of_hand(cls.resources, values["hand"].replace("nearest", "right"))
+        """Return one hand unless the nearest is to be chosen."""
+        return of_hand(cls.resources, values["hand"])
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""

@@ -77,9 +77,11 @@ def test_a_tree_runs_on_a_robot_with_one_hand_unless_it_names_the_other_one(tmp_
     workspace = without(RIGHT_HAND, tmp_path).workspace
     stage = Stage(workspace, "lesser", "random_target", dry=True)
     assert stage.run("fetch", seed=1).succeeded
-    (tmp_path / "trees").mkdir()
-    tree = tmp_path / "trees" / "other.yaml"
-    tree.write_text("format: 1\nname: other\nroot: {reach: {target: target, hand: right}}\n")
+    trees = tmp_path / "trees"
+    trees.mkdir()
+    (trees / "hail.yaml").write_text("format: 1\nname: hail\nroot: {emergency_stop: {wave: {times: 1}}}\n")
+    assert stage.run("hail").succeeded
+    (trees / "other.yaml").write_text("format: 1\nname: other\nroot: {reach: {target: target, hand: right}}\n")
     with pytest.raises(UserError, match=r"'reach' commands right_hand: the robot 'humanoid' has none"):
         stage.run("other")
 
