@@ -27,7 +27,7 @@ class WalkTo(Skill):
     x: float = param(unit="m", minimum=-1000, maximum=1000, doc="Where to stand, in the world.")
     y: float = param(unit="m", minimum=-1000, maximum=1000, doc="Where to stand, in the world.")
     heading: float | None = param(
-        None, unit="rad", doc="Where to face; 0 is the world's x, left is positive. Default: as it arrives."
+        None, unit="rad", doc="Where to face; 0 is the world's x, left is positive. Default: as the straight way there."
     )
     tolerance: float = param(0.06, unit="m", above=0, doc="Arrived when this close.")
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when turned this close.")
