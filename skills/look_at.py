@@ -11,11 +11,12 @@ class LookAt(Skill):
     """Turn the view until the target is in its middle, and keep it there for a moment.
 
     Follows a target that moves. Fails if the target was never seen or is gone, or if the view comes no nearer to it:
-    the feet stay where they are, so what is far behind is out of view.
+    the feet stay where they are, so what is far behind is out of view. Fails, too, if the target was in the middle and
+    does not stay there long enough, within five times the hold and the patience.
     """
 
     resources = ("gaze",)
-    bounded = True  # by its patience
+    bounded = True  # by its patience and its hold
 
     target: PerceptName = param(doc="Percept to look at.")
     tolerance: float = param(0.15, unit="rad", above=0, doc="In the middle when this close to the view's direction.")
@@ -26,7 +27,7 @@ class LookAt(Skill):
 
     def initialise(self) -> None:
         """Begin to count anew."""
-        self._held = Lasting(self.hold)
+        self._held = Lasting(self.hold, self.patience)
         self._error = Improving(self.patience, step=0.02)
 
     def update(self) -> Status:
@@ -41,6 +42,8 @@ class LookAt(Skill):
         there = error < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"{math.degrees(error):.0f} deg from {self.target}")
+        if self._held.hopeless:
+            return self.fail(f"the view does not stay at {self.target} for {self.hold:g} s")
         if there:
             self._error.arrived(error)
         elif not self._error.update(error, now):

@@ -28,11 +28,12 @@ class Offer(Skill):
 
     The palm stays clear of the target, seen from above, and draws back from one that comes nearer, as quickly as the
     hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, is gone or too near,
-    or if the palm does not get there: it does not walk or turn.
+    or if the palm does not get there: it does not walk or turn. Fails, too, if the palm was there and does not stay
+    long enough, within five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
-    bounded = True  # by its patience
+    bounded = True  # by its patience and its hold
     either_hand = True
 
     target: PerceptName = param(doc="Percept to hold the hand out to.")
@@ -62,7 +63,7 @@ class Offer(Skill):
         self._hand: Side | None = None
         self._height = 0.0
         self._place = Steady(time=0.4)
-        self._held = Lasting(self.hold)
+        self._held = Lasting(self.hold, self.patience)
         self._error = Improving(self.patience, step=0.005)
 
     def update(self) -> Status:
@@ -92,6 +93,8 @@ class Offer(Skill):
         there = error < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"held the {hand} hand out for {self.hold:g} s")
+        if self._held.hopeless:
+            return self.fail(f"{hand} hand does not stay where it is held out for {self.hold:g} s")
         if there:
             self._error.arrived(error)
         elif self.robot.touched(hand) or not self._error.update(error, now):

@@ -32,11 +32,12 @@ class PointAt(Skill):
 
     Waits for a steady base before it moves a hand, follows a target that moves, and stays clear of the side of a solid
     one. Fails if the target was never seen, is gone or too near, or if the hand does not come to point at it: it does
-    not turn or walk. Then it says what keeps it.
+    not turn or walk. Then it says what keeps it. Fails, too, if it has pointed at it and does not do so for
+    long enough, within five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
-    bounded = True  # by its patience
+    bounded = True  # by its patience and its hold
     either_hand = True
 
     target: PerceptName = param(doc="Percept to point at.")
@@ -59,7 +60,7 @@ class PointAt(Skill):
         """Choose nothing yet: the hand is chosen once the robot stands."""
         self._hand: Side | None = None
         self._place = Steady(self.smoothing)
-        self._held = Lasting(self.hold)
+        self._held = Lasting(self.hold, self.patience)
         self._error = Improving(self.patience, step=0.005)
         self._angle = Improving(self.patience, step=0.01)
 
@@ -97,6 +98,8 @@ class PointAt(Skill):
         there = error < _THERE and angle < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"{hand} hand points at {self.target}, {math.degrees(angle):.1f} deg off")
+        if self._held.hopeless:
+            return self.fail(f"{hand} hand does not keep pointing at {self.target} for {self.hold:g} s")
         if there:
             self._error.arrived(error)
             self._angle.arrived(angle)

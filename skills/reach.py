@@ -31,11 +31,12 @@ class Reach(Skill):
     before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Where the nearest
     hand comes no nearer to what is ahead, the other one tries. Fails if the target was never seen or is gone, or if the
     palm comes no nearer: it does not walk. Then it says which own link or which thing is in the way, if one is, or what
-    touched the arm.
+    touched the arm. Fails, too, if the palm was there and does not stay long enough, within five times the hold and the
+    patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
-    bounded = True  # by its patience
+    bounded = True  # by its patience and its hold
     either_hand = True
 
     target: PerceptName = param(doc="Percept to reach for.")
@@ -71,7 +72,7 @@ class Reach(Skill):
 
     def _begin(self) -> None:
         """Begin with a hand that has not moved."""
-        self._held = Lasting(self.hold)
+        self._held = Lasting(self.hold, self.patience)
         self._route = HandRoute(self.robot)
         self._error = Improving(self.patience, step=0.005)
         self._turn_error = Improving(self.patience, step=0.02)
@@ -106,6 +107,8 @@ class Reach(Skill):
         there, turned = error <= self.tolerance, turn_error <= self.turn_tolerance
         if self._held.update(there and turned, now):
             return self.succeed(f"{hand} hand {error * 100:.1f} cm from {self.target}")
+        if self._held.hopeless:
+            return self.fail(f"{hand} hand does not stay at {self.target} for {self.hold:g} s")
         if there and turned:
             self._error.arrived(error)
             self._turn_error.arrived(turn_error)

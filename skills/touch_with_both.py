@@ -31,11 +31,12 @@ class TouchWithBoth(Skill):
 
     The hands pass beside the target and then close in, the right one led by the left one. Waits for a steady base
     before it moves them. Fails if the target was never seen or is gone, or if a hand does not get there: it does not
-    walk. Then it says what keeps it.
+    walk. Then it says what keeps it. Fails, too, if the hands were there and do not stay long enough, within five
+    times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
-    bounded = True  # by its patience
+    bounded = True  # by its patience and its hold
 
     target: PerceptName = param(doc="Percept in the middle between the palms.")
     width: float = param(unit="m", above=0, maximum=0.6, doc="How wide the thing is, from side to side.")
@@ -60,7 +61,7 @@ class TouchWithBoth(Skill):
         """Begin beside the target."""
         self._closing = self._steady = False
         self._place = Steady(self.smoothing)
-        self._held = Lasting(self.hold)
+        self._held = Lasting(self.hold, self.patience)
         self._begin()
 
     def _begin(self) -> None:
@@ -94,6 +95,8 @@ class TouchWithBoth(Skill):
         there = self._closing and self.hand_error < self.tolerance and self.turn_error < self.turn_tolerance
         if self._held.update(there, now):
             return self.succeed(f"both hands at {self.target}, {self.hand_error * 100:.1f} cm off")
+        if self._held.hopeless:
+            return self.fail(f"the hands do not stay at {self.target} for {self.hold:g} s")
         if there:
             self._error.arrived(sum(errors.values()))
             self._turn.arrived(self.turn_error)

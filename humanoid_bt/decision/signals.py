@@ -12,6 +12,7 @@ import numpy as np
 from humanoid_bt.core.messages import Array
 
 _MOVED_ON = 5  # steps by which an error has grown where something has moved on; more than the noise
+_TRIES = 5  # to keep something up; what moves now and then lets some of them fail
 _ROUNDING = 1e-9  # s
 
 
@@ -49,14 +50,25 @@ class Lasting:
 
     Args:
         duration: that time [s]; 0 is at once.
+        patience: how long it may take to come true again after a break [s].
+
+    Attributes:
+        hopeless: whether it was true, and has not been for long enough in five times the duration and the patience
+            since then.
     """
 
-    def __init__(self, duration: float) -> None:
+    def __init__(self, duration: float, patience: float = math.inf) -> None:
         self._duration = duration
+        self._longest = _TRIES * (duration + patience)
         self._since: float | None = None
+        self._first = math.inf  # when it was true first [s]
+        self.hopeless = False
 
     def update(self, holds: bool, now: float) -> bool:
         """Note whether it is true now, and return whether it has been for long enough."""
+        if holds:
+            self._first = min(self._first, now)
+        self.hopeless = now - self._first > self._longest
         if not holds:
             self._since = None
             return False

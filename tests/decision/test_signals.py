@@ -52,6 +52,15 @@ def test_lasting_begins_again_after_a_break() -> None:
     assert [lasting.update(True, t) for t in (0.5, 0.9, 1.0)] == [False, False, True]
 
 
+def test_what_comes_and_goes_is_hopeless_five_tries_after_it_came_first() -> None:
+    lasting = Lasting(0.5, patience=1.5)
+    seen = {}
+    for second in range(3, 20):
+        assert not lasting.update(second > 5 and second % 2 == 0, float(second))
+        seen[second] = lasting.hopeless
+    assert [second for second, hopeless in seen.items() if hopeless] == [17, 18, 19]
+
+
 @pytest.mark.parametrize("start", [0.02 * tick for tick in range(1, 200, 7)])
 def test_lasting_is_as_long_wherever_it_begins(start: float) -> None:
     lasting = Lasting(0.3)

@@ -1,10 +1,12 @@
 """The built-in skills keep the contract of docs/skills.md."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from humanoid_bt import Rig, UserError
+from humanoid_bt import Rig, Stage, UserError
 
 CASES: dict[str, dict[str, Any]] = {
     "approach": {"target": (0.9, 0.2, 1.0)},
@@ -47,6 +49,27 @@ def test_keeps_the_contract(rig: Rig, skill: str) -> None:
 def test_no_place_is_out_of_the_world(rig: Rig, skill: str, parameter: str) -> None:
     with pytest.raises(UserError, match=f"'{parameter}' must be .* <= 10, not 1500"):
         rig.run(skill, **CASES.get(skill, {}) | {parameter: 1500.0})
+
+
+@pytest.fixture(scope="module")
+def dry() -> Stage:
+    return Stage(dry=True)
+
+
+@pytest.mark.parametrize("skill", ["look_at", "point_at", "reach", "offer", "touch_with_both"])
+def test_a_target_that_moves_now_and_then_does_not_keep_it_for_ever(dry: Stage, tmp_path: Path, skill: str) -> None:
+    values = CASES.get(skill, {}) | {"target": "target", "hold": "500 ms", "patience": "200 ms"}
+    leaf = json.dumps({skill: values})
+    watched = f"{{watchdog: {{percept: target, max_age: 1 s, child: {leaf}}}}}"
+    (tmp_path / "t.yaml").write_text(f"format: 1\nscene: empty\nroot: {{emergency_stop: {watched}}}\n")
+    script = [
+        {"at": f"{200 * i} ms", "see": {"percept": "target", "position": [0.5, 0.2 * (-1) ** i, 1.0]}}
+        for i in range(30)
+    ]
+    run = dry.run(tmp_path / "t.yaml", script=script, duration=6.0)
+    assert 3.4 < run.time < 4.0
+    *_, last = (change.feedback for change in run.changes if change.path.endswith(skill))
+    assert "does not keep" in last or "not stay" in last
 
 
 def test_none_is_left_out(rig: Rig) -> None:
