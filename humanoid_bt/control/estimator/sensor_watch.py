@@ -13,7 +13,7 @@ from humanoid_bt.core.messages import SIDES, Array, Reading
 from humanoid_bt.robot.model import RobotModel
 
 _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is promised
-_JUMPS_AFTER = {"gyro": 2, "accelerometer": 4, "orientation": 2}  # looks in which it jumps: a blow rings for two
+_JUMPS_AFTER = {"gyro": 3, "accelerometer": 4, "orientation": 3}  # looks; one wrong reading jumps out and back
 _SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
 _COMPARED_EVERY, _DRIFTS_AFTER = 2, 2  # looks; times that gyro and orientation disagree
 _WRONG_AFTER = 2  # looks in which a joint or a foot says what cannot be
@@ -56,6 +56,8 @@ class SensorWatch:
         self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
         self._compared: Array = np.zeros(4)  # the orientation then
+        self._turned_before: Array = np.zeros(3)  # the same of the time before
+        self._compared_before: Array = np.zeros(4)
         self.bad_joints = np.zeros(joints, dtype=bool)
         self.any_bad = self.bad_feet = False
         self.failed: set[str] = set()
@@ -85,7 +87,8 @@ class SensorWatch:
         """
         self._before.values[:] = reading.values
         self._mean[:] = rates[:6]
-        self._compare_from(reading)
+        for _ in range(2):  # this time and the time before
+            self._compare_from(reading)
         self.doubted.clear()
         self._doubt_joints(self._silent_joints(reading, rates) | self._wrong_joints(reading, rates))
         self._doubt_feet(reading)
@@ -152,17 +155,23 @@ class SensorWatch:
         return _disagreement(self._before.orientation, reading.orientation, rates[3:6] * time) < self._limits.same
 
     def _compare(self, reading: Reading, upright: bool) -> None:
-        """Compare now and then how the orientation has turned with what the gyro says."""
+        """Compare now and then how the orientation has turned with what the gyro says.
+
+        A single wrong orientation turns out and back: with the time before, it has not turned.
+        """
         self._turned_looks += 1
         if self._turned_looks < _COMPARED_EVERY:
             return
         if upright and not self.failed:
-            off = _disagreement(self._compared, reading.orientation, self._turned)
-            how = "says something else than the orientation"
-            self._count(self.failed, "gyro", how, off > self._limits.drift, _DRIFTS_AFTER)
+            most, said = self._limits.drift, reading.orientation
+            off = _disagreement(self._compared, said, self._turned) > most and (
+                _disagreement(self._compared_before, said, self._turned_before + self._turned) > most
+            )
+            self._count(self.failed, "gyro", "says something else than the orientation", off, _DRIFTS_AFTER)
         self._compare_from(reading)
 
     def _compare_from(self, reading: Reading) -> None:
+        self._turned_before[:], self._compared_before[:] = self._turned, self._compared
         self._turned[:] = 0.0
         self._turned_looks = 0
         self._compared[:] = reading.orientation

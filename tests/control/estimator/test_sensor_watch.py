@@ -15,7 +15,7 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.sensor_config import AccelerometerConfig, EncoderConfig, FootForceConfig, OrientationConfig
 from tests.control.control_rig import ControlRig
 
-BETWEEN_LOOKS, IN_A_LOOK = 302, 305  # cycles
+BETWEEN_LOOKS, IN_A_LOOK, IN_THE_NEXT = 302, 305, 310  # cycles; in one of these two turns are compared
 WALK = {"base": BaseTarget(np.array([2.0, 0.3]), 0.0)}
 FAILURES = {
     ("gyro", "frozen"): "the gyro is frozen",
@@ -110,7 +110,14 @@ def test_noise_that_the_robots_file_tells_of_is_no_failure(
     [
         ("gyro", 0, 35.0, BETWEEN_LOOKS),
         ("gyro", 1, 1e6, BETWEEN_LOOKS),
+        ("gyro", 0, 35.0, IN_A_LOOK),
+        ("gyro", 1, 1e6, IN_THE_NEXT),
+        ("orientation", 1, 0.7, IN_A_LOOK),
+        ("orientation", 2, 0.7, IN_THE_NEXT),
+        ("orientation", 1, 0.04, IN_A_LOOK),
+        ("orientation", 2, 0.04, IN_THE_NEXT),
         ("accelerometer", 0, 500.0, BETWEEN_LOOKS),
+        ("accelerometer", 0, 500.0, IN_A_LOOK),
         ("joint_torque", 20, np.nan, BETWEEN_LOOKS),
         ("joint_torque", 25, 300.0, BETWEEN_LOOKS),
         ("joint_velocity", 25, 1e3, IN_A_LOOK),
@@ -137,6 +144,26 @@ def test_one_wrong_reading_does_no_harm(
     assert np.isfinite(list(estimator.contact.forces.values())).all()
     assert not rig.controller.supervisor.touch.yielding
     assert rig.state.mode is Mode.RUN
+
+
+@pytest.mark.parametrize("rate", [5.0, 34.9])
+def test_a_gyro_that_says_too_much_for_good_is_noticed(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, rate: float
+) -> None:
+    measure = rig.plant.measure
+
+    def saturated(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        if rig.controller.cycle >= IN_A_LOOK:
+            reading.gyro[1] = rate
+        return reading
+
+    monkeypatch.setattr(rig.plant, "measure", saturated)
+    rig.run(0.4, {})
+    (stop,) = rig.controller.supervisor.stops
+    assert stop.reason.startswith("a sensor failed: the gyro")
+    assert stop.mode is Mode.PROTECTIVE_STOP
+    assert stop.time <= 0.35
 
 
 @pytest.mark.parametrize("joint", ["left_knee", "right_elbow"])
