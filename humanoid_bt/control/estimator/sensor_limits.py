@@ -15,9 +15,9 @@ from humanoid_bt.robot.model import RobotModel
 _GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look to look; walking: 0.5, 4 and 0.01
 _WILD = 50.0  # m/s^2 from look to look, more than of feet that land hard
 _DRIFT = 0.03  # rad that gyro and orientation disagree in two looks
-_SAME, _SAME_NOISES = 0.006, 6.0  # rad, and times its noise, that they may disagree in one look in which the gyro jumps
+_SAME, _SAME_NOISES = 0.006, 6.0  # rad, and times its noise, that they may disagree in one look in which one jumps
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
-_BLOWS = 2.0  # times as fast as that: in a blow of 300 N on a hand half as much is seen
+_BLOWS = 2.0  # times as fast as that it may say it is, unless its angle says so, too: in a blow, light ones do
 _TORQUES = 2.0  # times its limit that a drive may say it applies
 _NOISES = 10.0  # times its noise that a sensor may change in any case: 7 standard deviations of the difference
 _PULLS, _BEARS = 0.1, 10.0  # times the weight that a foot cannot pull, or bear; of a robot that was pushed, 4.5
@@ -34,10 +34,10 @@ class SensorLimits:
     Attributes:
         most: that a number changes from look to look.
         least: by more than that it does, in the order of a reading; less than 0 where it may stay the same.
-        rates: the largest speeds and torques of joints, in the order of a reading, shape (2 nj,).
+        rates: the largest speeds and torques of joints that nothing strikes, in the order of a reading, shape (2 nj,).
         wild: m/s^2 from look to look, by more than that an accelerometer is doubted at once.
         drift: rad that gyro and orientation disagree in two looks.
-        same: rad that they do in one in which the gyro jumps, if it is right.
+        same: rad that they do in one in which one of them jumps, if it is right.
         feet: the least and the most that a foot bears [N], and looks in which it never says the same, shape (3,).
         flickers: which sensors have enough noise for it to be seen when they freeze: those of the IMU, and "joints".
         feels: whether there are force sensors in the feet.

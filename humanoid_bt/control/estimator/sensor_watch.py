@@ -33,8 +33,8 @@ class SensorWatch:
     Attributes:
         fault: what failed first, and what else at the same time, for people; "" while nothing has.
         failed: which of the IMU's sensors failed.
-        doubted: which of them are doubted now: an accelerometer that jumps wildly, an orientation that jumps, and a
-            gyroscope that jumps otherwise than the orientation turns.
+        doubted: which of them are doubted now: an accelerometer that jumps wildly, an orientation or a gyroscope that
+            jumps otherwise than the other one turns.
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
         bad_feet: whether a force sensor in a foot failed, or is doubted now.
@@ -90,7 +90,7 @@ class SensorWatch:
         for _ in range(2):  # this time and the time before
             self._compare_from(reading)
         self.doubted.clear()
-        self._doubt_joints(self._silent_joints(reading, rates) | self._wrong_joints(reading, rates))
+        self._doubt_joints(self._silent_joints(reading, rates) | self._wrong_joints(reading, rates, 0.0))
         self._doubt_feet(reading)
         self.suspicious = self.suspicious or self.any_bad or self.bad_feet
 
@@ -119,7 +119,7 @@ class SensorWatch:
     def _look_closer(self, reading: Reading, rates: Array, time: float, upright: bool) -> None:
         shaken = bool(np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN)
         turned_so = self._turned_so(reading, rates, time)
-        felt = {"accelerometer": shaken, "gyro": shaken and turned_so}  # a blow, not a failure
+        felt = {"accelerometer": shaken, "gyro": shaken and turned_so, "orientation": turned_so}  # a blow, no failure
         heard = {"accelerometer": rates[:3], "gyro": rates[3:6], "orientation": reading.orientation}
         for name in _IMU:
             moved, most = getattr(self._moved, name), getattr(self._limits.most, name)
@@ -127,10 +127,10 @@ class SensorWatch:
             self._count(self.failed, name, "is silent", silent, _SILENT_AFTER)
             frozen = name in self._limits.flickers and not moved.any()
             self._count(self.failed, name, "is frozen", frozen, _FROZEN_AFTER)
-            jumps = bool((moved > most).any()) and upright and not felt.get(name)
+            jumps = bool((moved > most).any()) and upright and not felt[name]
             self._count(self.failed, name, "jumps", jumps, _JUMPS_AFTER[name])
         self._doubt_imu(turned_so, shaken, upright)
-        self._look_at_joints(reading, rates, upright)
+        self._look_at_joints(reading, rates, time, upright)
         if self._limits.feels:
             self._look_at_feet(reading, upright)
         counted = bool(self._counts) or any(looks.any() for looks in (self._silent, self._frozen, self._wrong))
@@ -141,12 +141,12 @@ class SensorWatch:
         moved, most = self._moved, self._limits.most
         jumps = np.maximum(moved.imu, self._leap)
         counted, wild = ("accelerometer", "jumps") in self._counts, jumps[:3].max() > self._limits.wild
-        told = upright and "orientation" not in self.failed
+        differ = upright and not turned_so and "orientation" not in self.failed
         doubts = {
             "accelerometer": (wild and (counted or (upright and not shaken)))
             or (counted and "accelerometer" in self.doubted),
-            "orientation": told and (moved.orientation > most.orientation).any(),
-            "gyro": told and not turned_so and (jumps[3:] > most.gyro).any(),
+            "orientation": differ and (moved.orientation > most.orientation).any(),
+            "gyro": differ and (jumps[3:] > most.gyro).any(),
         }
         self.doubted = {name for name, doubtful in doubts.items() if doubtful}
 
@@ -208,21 +208,28 @@ class SensorWatch:
         torques = rates[-len(self._names) :]
         return np.asarray(~np.isfinite(reading.joint_position + reading.joint_velocity + torques))
 
-    def _wrong_joints(self, reading: Reading, rates: Array) -> NDArray[np.bool_]:
-        """Return which joints say a speed or torque that cannot be, shape (nj,)."""
-        most = self._limits.rates
-        wrong = (np.abs(reading.rates[6:]) > most) | (np.abs(rates[6:]) > most)
-        return np.asarray(wrong.reshape(2, -1).any(axis=0))
+    def _wrong_joints(self, reading: Reading, rates: Array, turned: Array | float) -> NDArray[np.bool_]:
+        """Return which joints say a speed or torque that cannot be, shape (nj,).
+
+        Args:
+            reading, rates: as in :meth:`look`.
+            turned: how fast they have turned at most by their angles [rad/s]: so fast they can be.
+        """
+        speeds, torques = np.maximum(np.abs(reading.rates[6:]), np.abs(rates[6:])).reshape(2, -1)
+        most_speeds, most_torques = self._limits.rates.reshape(2, -1)
+        return np.asarray((speeds > np.maximum(most_speeds, turned)) | (torques > most_torques))
 
     def _doubt_joints(self, doubtful: NDArray[np.bool_]) -> None:
         np.logical_or(self._dead, doubtful, out=self.bad_joints)
         self.any_bad = bool(self.bad_joints.any())
 
-    def _look_at_joints(self, reading: Reading, rates: Array, upright: bool) -> None:
-        moved = self._moved
-        silent, wrong = self._silent_joints(reading, rates), self._wrong_joints(reading, rates)
+    def _look_at_joints(self, reading: Reading, rates: Array, time: float, upright: bool) -> None:
+        moved, most = self._moved, self._limits.most.joint_position
+        silent = self._silent_joints(reading, rates)
+        wrong = self._wrong_joints(reading, rates, (moved.joint_position + most) / time)
         same = (moved.joint_position == 0) & (moved.joint_velocity == 0) & (moved.joint_torque == 0)
-        jumped = (moved.joint_position > self._limits.most.joint_position) & ~silent & upright
+        speeds = np.maximum(np.abs(self._before.joint_velocity), np.abs(reading.joint_velocity))  # in a blow, high
+        jumped = (moved.joint_position > speeds * time + most) & ~silent & upright
         self._silent[:] = (self._silent + 1) * silent
         self._frozen[:] = (self._frozen + 1) * (same & ("joints" in self._limits.flickers))
         self._wrong[:] = np.where(wrong & upright, self._wrong + 1.0, np.maximum(self._wrong - _FORGET, 0.0))

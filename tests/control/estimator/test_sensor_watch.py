@@ -188,6 +188,40 @@ def test_a_joint_whose_speed_or_torque_cannot_be_is_noticed(
     assert not rig.controller.supervisor.touch.yielding
 
 
+@pytest.mark.parametrize("derived", [0.0, 0.2 / ESTIMATE_PERIOD], ids=["at rest", "its speed is derived from it"])
+def test_every_joint_whose_angle_jumps_is_noticed(rig: ControlRig, derived: float) -> None:
+    rig.run(0.5, {})
+    watch, reading, joints = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names)), rig.robot.joint_names
+    before = rig.plant.measure()
+    for place, joint in enumerate(joints):
+        watch.reset(before)
+        reading.values[:] = before.values
+        reading.joint_position[place] += 0.2
+        rates = reading.rates.copy()
+        rates[6 + place] += derived  # between two looks
+        watch.look(reading, rates, ESTIMATE_PERIOD, upright=True)
+        assert watch.fault == f"the sensors of {joint} jumped"
+
+
+@pytest.mark.parametrize("time", [ESTIMATE_PERIOD, 0.007, 2 * ESTIMATE_PERIOD])
+@pytest.mark.parametrize("turns_so", [True, False])
+def test_a_joint_that_is_struck_turns_as_fast_as_it_says(rig: ControlRig, time: float, turns_so: bool) -> None:
+    """A light one faster than any drive turns it: the wrist of a G1 at 110 rad/s, by 400 N."""
+    rig.run(0.5, {})
+    watch, reading = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names))
+    reading.values[:] = rig.plant.measure().values
+    for speed in (40.0, 80.0, 110.0, 70.0, -30.0, 0.0):
+        rates = reading.rates.copy()
+        reading.values[:] += 1e-9  # nothing is frozen
+        reading.joint_velocity[-1] = speed
+        rates[5 + len(rig.robot.joint_names)] = speed
+        reading.joint_position[-1] += speed * time * turns_so
+        watch.look(reading, rates, time, upright=True)
+        if turns_so:
+            assert not watch.any_bad
+    assert bool(watch.fault) is not turns_so
+
+
 @pytest.mark.trials
 @pytest.mark.parametrize(("sensor", "how"), [("gyro", "silent"), ("accelerometer", "frozen"), ("left_knee", "jumping")])
 def test_a_robot_that_walks_stops_and_stands_without_a_sensor(rig: ControlRig, sensor: str, how: str) -> None:
@@ -271,6 +305,22 @@ def test_a_gyro_that_jumps_is_believed_in_a_blow(rig: ControlRig, joints: float,
         half = rate * 0.005 / 2 if turned else 0.0
         w, x, y, z = w - y * half, x - z * half, y + w * half, z + x * half  # turned about its own y
         reading.orientation[:] = w, x, y, z
+        watch.look(reading, reading.rates, ESTIMATE_PERIOD, upright=True)
+    assert watch.fault == fault
+
+
+@pytest.mark.parametrize(("rate", "fault"), [(25.0, ""), (0.0, "the orientation jumps")])
+def test_an_orientation_that_turns_as_the_gyro_says_does_not_jump(rig: ControlRig, rate: float, fault: str) -> None:
+    """A light robot whose hand is struck with 400 N turns by 0.1 rad from look to look."""
+    rig.run(0.5, {})
+    watch, reading = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names))
+    reading.values[:] = rig.plant.measure().values
+    turn = np.arctan2(reading.orientation[3], reading.orientation[0])
+    for _ in range(5):
+        turn += 25.0 * ESTIMATE_PERIOD / 2
+        reading.values[:] += 1e-9  # nothing is frozen
+        reading.gyro[:] = 0.0, 0.0, rate
+        reading.orientation[:] = np.cos(turn), 0.0, 0.0, np.sin(turn)
         watch.look(reading, reading.rates, ESTIMATE_PERIOD, upright=True)
     assert watch.fault == fault
 
