@@ -59,18 +59,22 @@ def causes(table: Table, explained: Mapping[int, Explained] | None = None) -> li
     for row in table.rows:
         result = row.result
         if not result.succeeded:
-            groups.setdefault((result.outcome, result.node, _NUMBER.sub(ANY_NUMBER, result.reason)), []).append(row)
+            groups.setdefault((result.outcome, result.node, pattern(result.reason)), []).append(row)
     found = [
-        Cause(outcome, node, _reason(rows, pattern), tuple(rows), _of(rows, explained or {}))
-        for (outcome, node, pattern), rows in groups.items()
+        Cause(outcome, node, common([row.result.reason for row in rows]), tuple(rows), _of(rows, explained or {}))
+        for (outcome, node, _), rows in groups.items()
     ]
     return sorted(found, key=lambda cause: (-len(cause.rows), cause.rows[0].trial.number))
 
 
-def _reason(rows: Sequence[Row], pattern: str) -> str:
-    """Return the reason of all, word for word if it is the same."""
-    reasons = {row.result.reason for row in rows}
-    return reasons.pop() if len(reasons) == 1 else pattern
+def pattern(reason: str) -> str:
+    """Return what is the same in a reason and in others of its cause: all of it but the numbers."""
+    return _NUMBER.sub(ANY_NUMBER, reason)
+
+
+def common(reasons: Sequence[str]) -> str:
+    """Return the reason that reasons of one pattern have in common, word for word if it is the same."""
+    return reasons[0] if len(set(reasons)) == 1 else pattern(reasons[0])
 
 
 def _of(rows: Sequence[Row], explained: Mapping[int, Explained]) -> dict[int, Explained]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from humanoid_bt.campaign.causes import causes
+from humanoid_bt.campaign.causes import common, pattern
 from humanoid_bt.campaign.statistics import CHANCE, Interval, Rate, Spread, binomial_p, holm, median_interval
 from humanoid_bt.campaign.summary import TIME
 from humanoid_bt.campaign.table import Row, Table
@@ -225,7 +225,13 @@ def _of(row: Row, name: str) -> float | None:
 
 
 def _causes(one: Table, other: Table) -> list[CauseChange]:
-    counts = [{f"{c.node}: {c.reason}" if c.node else c.reason: len(c.rows) for c in causes(t)} for t in (one, other)]
-    texts = dict.fromkeys((*counts[0], *counts[1]))
-    found = [CauseChange(text, counts[0].get(text, 0), counts[1].get(text, 0)) for text in texts]
-    return sorted(found, key=lambda change: -abs(change.after - change.before))
+    groups: dict[tuple[str, str], tuple[list[str], list[str]]] = {}  # the reasons before, and after
+    for side, table in enumerate((one, other)):
+        for result in (row.result for row in table.rows if not row.result.succeeded):
+            groups.setdefault((result.node, pattern(result.reason)), ([], []))[side].append(result.reason)
+    found = [
+        CauseChange(f"{node}: {reason}" if node else reason, len(before), len(after))
+        for (node, _), (before, after) in groups.items()
+        for reason in [common([*before, *after])]
+    ]
+    return sorted(found, key=lambda change: (-abs(change.after - change.before), -change.before - change.after))

@@ -99,3 +99,17 @@ def test_chance_alone_rarely_makes_a_difference() -> None:
         for run in range(1, 20)
     ]
     assert sum(text != "nothing differs beyond chance" for text in verdicts) <= 3
+
+
+def test_a_cause_is_the_same_whatever_its_numbers_and_however_the_trials_ended() -> None:
+    def table(*results: Result) -> Table:
+        return Table.of(plan_of("0-2"), dict(enumerate(results)))
+
+    def far(outcome: str, distance: float) -> Result:
+        return Result(outcome, f"{distance} cm from target", "fetch/reach")
+
+    good = Result("success", "")
+    one = table(far("failure", 5.2), far("unfinished", 5.2), good)
+    other = table(far("failure", 5.1), far("failure", 4.9), far("failure", 4.9))
+    told = [[(cause.text, cause.before, cause.after) for cause in compare(one, to).causes] for to in (other, one)]
+    assert told == [[("fetch/reach: … cm from target", 2, 3)], [("fetch/reach: 5.2 cm from target", 2, 2)]]
