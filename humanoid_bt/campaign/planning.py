@@ -18,7 +18,6 @@ from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
-from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.source_files import files_of
@@ -65,9 +64,6 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
     """
     names = _all(_names(campaign, workspace))
     factors = _all(_factors(campaign, [file for kind, _, file in names if kind == "tree"]))
-    first = {
-        factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")
-    }
     noise = any(factor.name == f"{CONDITION}.{NOISE}" and _changes(factor) for factor in factors)
     settings: list[Setting] = []
     trees: list[Tree] = []
@@ -77,7 +73,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         for robot in _chosen(names, "robot") or [header.get("robot") or DEFAULT_ROBOT]:
             for scene in _chosen(names, "scene") or [header.get("scene") or DEFAULT_SCENE]:
                 setting = Setting(name, robot, scene)
-                tree = _loaded(campaign, workspace, file, first, setting)
+                tree = _loaded(campaign, workspace, file, setting)
                 settings.append(setting)
                 trees.append(tree)
                 used |= {*used_files(tree), workspace.find_scene(scene)}
@@ -130,15 +126,22 @@ def _chosen(names: Sequence[Named], kind: str) -> list[str]:
     return [name for of, name, _ in names if of == kind]
 
 
-def _loaded(
-    campaign: CampaignFile, workspace: Workspace, file: Path, parameters: Mapping[str, Any], setting: Setting
-) -> Tree:
-    """Return a tree as it is run; raises UserError for what is wrong with it, its scene, or with what it sees."""
+def _loaded(campaign: CampaignFile, workspace: Workspace, file: Path, setting: Setting) -> Tree:
+    """Return a tree as it is run.
+
+    Raises:
+        UserError: what is wrong with it, its scene, with what it sees, or with any value that a parameter is given,
+            beside the first ones of the others.
+    """
     _, robot, scene = setting
-    tree = load_checked(file, workspace, parameters, robot=robot, scene=scene, perception=campaign.perception)
+    load = partial(load_checked, file, workspace, robot=robot, scene=scene, perception=campaign.perception)
+    given = {name: variation.ends or variation.values for name, variation in campaign.parameters.items()}
+    first = {name: values[0] for name, values in given.items()}
+    tree = load(first)
     if tree.is_subtree:
         hint = "a tree that uses it does"
         raise UserError(f"the tree {tree.name!r} does not run alone: it is made for use in other trees", hint=hint)
+    _all(partial(load, {**first, name: value}) for name, values in given.items() for value in values[1:])
     return tree
 
 
@@ -235,10 +238,6 @@ def _number(variation: Variation, column: str, spec: Param) -> Factor:
     if variation == Variation():
         variation = Variation((Item(_PUSH[spec.name], Place("default")),))
     return variation.factor(column, of)
-
-
-def _example(factor: Factor) -> Any:
-    return plain(factor.value(factor.levels[0], 0))
 
 
 def _all(makers: Iterator[Callable[[], Made]]) -> list[Made]:
