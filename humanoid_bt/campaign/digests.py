@@ -16,9 +16,12 @@ _KEPT = 1000  # digests
 
 
 def called(file: Path, workspace: Workspace) -> str:
-    """Return what a file is called, seen from the workspace that it is in."""
-    roots = (resolved(root) for root in workspace.layers)
-    return next((str(file.relative_to(root)) for root in roots if file.is_relative_to(root)), relative(file))
+    """Return what a file is called, seen from its workspace; its whole path if a file of a nearer one is called so."""
+    for root in workspace.layers:
+        if file.is_relative_to(resolved(root)):
+            name = str(file.relative_to(resolved(root)))
+            return name if find([name], workspace)[name] == root / name else str(file)
+    return relative(file)
 
 
 def find(names: Iterable[str], workspace: Workspace) -> dict[str, Path]:

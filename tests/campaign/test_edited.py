@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.campaign.conduct import Progress, Runners, conduct, recording_of
+from humanoid_bt.campaign.digests import called, find
 from humanoid_bt.campaign.file import CampaignFile
 from humanoid_bt.campaign.planning import planned
 from humanoid_bt.campaign.result import Cost
@@ -21,7 +22,7 @@ from humanoid_bt.cli import main
 from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.reading import read
-from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace, builtin_root
 
 TREE = """
 format: 1
@@ -103,3 +104,14 @@ def test_a_trial_that_runs_another_way_names_what_has_changed(tree: Path, capsys
     told = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
     assert ["again", "not bit for bit as it was"] in told
     assert ["changed", "trees/edited.yaml"] in told
+
+
+def test_a_file_that_is_called_like_a_built_in_one_is_another(tmp_path: Path) -> None:
+    own, builtin = tmp_path / "skills" / "reach.py", builtin_root() / "skills" / "reach.py"
+    own.parent.mkdir()
+    own.write_text("# of one's own")
+    workspace = Workspace(tmp_path)
+    names = {called(file, workspace): file for file in (own, builtin)}
+    assert names.keys() == {"skills/reach.py", str(builtin)}
+    assert find(names, workspace) == names
+    assert called(builtin, Workspace()) == "skills/reach.py"
