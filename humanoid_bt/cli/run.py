@@ -114,6 +114,9 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _make_way(path: Path) -> None:
     """Remove an older report, which nobody shall take for this run's; find out that a new one can be written."""
+    if path.suffix == ".rrd":
+        message = f"--report is JSON, and {relative(path)!r} is called like a recording"
+        raise UserError(message, hint=f"{path.with_suffix('.json')}")
     try:
         if path.is_file() and path.stat().st_size and not _is_report(path):
             message = f"--report would overwrite {relative(path)!r}, which is no report"

@@ -84,9 +84,9 @@ def test_the_exit_code_tells_the_outcome(tree: str, code: int, says: str, capsys
 
 
 def test_a_run_that_failed_says_how_to_find_out_why(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "give_up", "--no-view", "--record", "failed.rrd"]) == 1
-    assert "explain it humanoid-bt explain failed.rrd" in " ".join(capsys.readouterr().out.split())
-    assert main(["explain", "failed.rrd"]) == 0
+    assert main(["run", "give_up", "--no-view", "--record", "it failed.rrd"]) == 1
+    assert "explain it humanoid-bt explain 'it failed.rrd'" in " ".join(capsys.readouterr().out.split())
+    assert main(["explain", "it failed.rrd"]) == 0
     assert capsys.readouterr().out.startswith("'give_up' failed at 0.000 s: the thing is not there\n")
 
 
@@ -117,6 +117,7 @@ def test_an_exception_is_told_once(project: Path, capsys: pytest.CaptureFixture[
         (["wait", "--record", "trees"], "is a folder"),
         (["wait", "--no-record", "--report", "missing/report.json"], "the report cannot be written"),
         (["wait", "--no-record", "--report", "trees"], "the report cannot be written"),
+        (["wait", "--record", "a.rrd", "--report", "a.rrd"], "'a.rrd' is called like a recording\n    a.json"),
         (["wait", "--no-record", "--view"], "no display"),
         (["wait", "--workspace", "nowhere"], "the workspace 'nowhere' is not a folder"),
     ],
