@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import signal
 import sys
 import time
@@ -157,7 +158,8 @@ def _kept(store: Store, why: str) -> None:
     """Say what is kept of a campaign that is not done."""
     if done := len(store.results):
         kept = f"{done} of {len(store.plan)} trials are kept"
-        print(f"{why}: {kept}; the same command with --out {relative(store.folder)} --resume goes on", file=sys.stderr)
+        more = shlex.join(["--out", relative(store.folder), "--resume"])
+        print(f"{why}: {kept}; the same command with {more} goes on", file=sys.stderr)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.gateway.interfaces.package import find
@@ -19,5 +20,5 @@ def interfaces(arguments: argparse.Namespace) -> int:
             wheels.append(wheel)
     except OSError as error:
         raise UserError(f"the wheels cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
-    print(f"next: pip install {' '.join(relative(wheel) for wheel in wheels)}")
+    print(f"next: {shlex.join(['pip', 'install', *map(relative, wheels)])}")
     return ExitCode.SUCCESS

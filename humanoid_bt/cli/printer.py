@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import sys
 import time
@@ -180,12 +181,12 @@ def print_summary(console: Console, report: Report) -> None:
     console.print(text, soft_wrap=True)
     rows = report.summary
     if report.recording and Path(report.recording).exists():
-        files = Path(report.recording)
+        files = shlex.quote(report.recording)
         if len(report.recording_parts) > 1:
-            files = files.with_suffix(".*rrd")
-        rows.append(("open it", f"{_viewer_command()} {files}"))
+            files = f"{shlex.quote(str(Path(report.recording).with_suffix('')))}.*rrd"
+        rows.append(("open it", f"{shlex.quote(_viewer_command())} {files}"))
         if report.outcome not in ("success", "interrupted"):
-            rows.append(("explain it", f"humanoid-bt explain {report.recording}"))
+            rows.append(("explain it", f"humanoid-bt explain {shlex.quote(report.recording)}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)
 
