@@ -48,8 +48,8 @@ class Store:
 
     def __init__(self, folder: Path, plan: Plan, resume: bool) -> None:
         self.folder, self.plan = folder, plan
-        _refuse(folder, plan, resume)
         with self._writing():
+            _refuse(folder, plan, resume)
             for part in (folder, self.logs, self.recordings):
                 part.mkdir(parents=True, exist_ok=True)
         self._stack = contextlib.ExitStack()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 from pathlib import Path
 
 from humanoid_bt.core.errors import Place, UserError, relative
@@ -49,8 +50,11 @@ def robots_init(arguments: list[str], name: str | None, workspace: Workspace) ->
     if os.path.lexists(path):
         raise UserError(f"{relative(path)!r} is there already", hint="another name: --name NAME")
     description = _described(model, name, given if described else _seen_from(path.parent, model))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, description.text.encode())
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, description.text.encode())
+    except OSError as error:
+        raise UserError(f"{relative(path)!r} cannot be written: {error.strerror}") from error
     _tell(description, path)
     return ExitCode.SUCCESS
 
@@ -94,4 +98,4 @@ def _tell(description: Description, path: Path) -> None:
             print(f"  {title:8} {line}")
     what = "add what is missing, look at" if description.missing else "look at"
     print(f"next: {what} what is guessed, then let it stand, reach and walk")
-    print(f"  humanoid-bt check {relative(path)}")
+    print(f"  humanoid-bt check {shlex.quote(relative(path))}")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import io
+import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import pyarrow.parquet as pq
 import pytest
@@ -201,6 +204,15 @@ def test_a_campaign_that_never_came_to_a_trial_is_begun_anew(campaign: Conduct, 
         pass
     assert campaign(plan_of("0-5")).planned == 6
     assert read_results(tmp_path / "out").plan == plan_of("0-5")
+
+
+def test_a_folder_that_cannot_be_looked_into_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_folder: Path) -> NoReturn:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    with pytest.raises(Unwritable, match="cannot be written: Permission denied"):
+        Store(tmp_path, plan_of("0-3"), resume=False)
 
 
 def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:

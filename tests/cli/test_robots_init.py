@@ -77,6 +77,12 @@ def test_what_cannot_be_described_is_told(
     assert not Path("sim").exists()
 
 
+def test_what_cannot_be_written_is_told(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("sim").write_text("no folder")
+    assert main(["robots", "init", "walker.xml"]) == 2
+    assert capsys.readouterr().err == "error: 'sim/walker/robot.yaml' cannot be written: Not a directory\n"
+
+
 def test_a_name_is_for_init(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robots", "--name", "x"]) == 2
     assert "--name is for robots init" in capsys.readouterr().err
