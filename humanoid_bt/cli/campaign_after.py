@@ -32,10 +32,11 @@ def compare(arguments: argparse.Namespace) -> int:
     """Print how two campaigns differ; return the exit code."""
     one, other = (read_results(Path(folder)) for folder in arguments.what[1:])
     found = compared(one, other)
+    if arguments.out is not None:
+        _write(arguments.out, comparison_markdown(found))
     if arguments.json:
         print(json.dumps(found.to_dict(), indent=1))
     elif arguments.out is not None:
-        _write(arguments.out, comparison_markdown(found))
         print(f"{arguments.out}: {verdict(found)}")
     else:
         _print(found, arguments.what[1:])

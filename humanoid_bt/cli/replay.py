@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
+import sys
 from pathlib import Path
 
 from humanoid_bt.cli.overrides import overrides
@@ -34,5 +36,7 @@ def replay(arguments: argparse.Namespace) -> int:
     if test is not None:
         write_test(done, test, workspace)
         now = "passes already" if done.passes else "fails now, until what went wrong is mended"
-        print(f"{test} {now}; it needs the recording, which 'humanoid-bt keep {done.recording}' keeps")
+        keep = shlex.join(["humanoid-bt", "keep", str(done.recording)])
+        told = f"{test} {now}; it needs the recording, which this keeps: {keep}"
+        print(told, file=sys.stderr if arguments.json else sys.stdout)
     return ExitCode.SUCCESS if done.identical else ExitCode.FAILURE

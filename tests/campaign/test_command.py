@@ -58,6 +58,9 @@ def test_campaigns_are_compared(done: Path, tmp_path: Path, capsys: pytest.Captu
     assert main(["campaign", "compare", str(done), str(done)]) == 0
     told = capsys.readouterr().out
     assert "nothing differs beyond chance" in told
+    assert main(["campaign", "compare", str(done), str(done), "--json", "--out", str(tmp_path / "told.md")]) == 0
+    assert json.loads(capsys.readouterr().out)["better"] == []
+    assert "nothing differs beyond chance" in (tmp_path / "told.md").read_text(encoding="utf-8")
     assert main(["campaign", "compare", str(done), str(tmp_path)]) == 2
     assert "there is no campaign in" in capsys.readouterr().err
 

@@ -314,8 +314,10 @@ def test_a_recording_becomes_a_test_that_fails_until_it_is_mended_where_the_test
     shutil.copytree(project, elsewhere, ignore=shutil.ignore_patterns("*.rrd"))
     (elsewhere / "tests").mkdir()
     test = elsewhere / "tests/test_late.py"
-    assert main(["replay", str(raising), "--to-test", str(test)]) == 0
-    assert "fails now, until what went wrong is mended" in capsys.readouterr().out
+    assert main(["replay", str(raising), "--json", "--to-test", str(test)]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["identical"]
+    assert "fails now, until what went wrong is mended" in err
     assert not passes(test)
     skills, before = next(
         (file, text)
