@@ -32,6 +32,7 @@ RECORDINGS = 3
 
 _NAMED = {"type": "string"}
 _NAME = re.compile(r"\w[\w .-]{0,99}")
+_NO_NAME = re.compile(r"[^\w .-]|^[ .-]")
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,11 @@ class CampaignFile:
         if "name" in values and not _NAME.fullmatch(values["name"]):
             hint = "letters, digits, blanks, _, - and ., for it names a folder"
             yield Problem(f"{values['name']!r} cannot be a name", item.value["name"].place, hint, "bad-name")
+
+
+def named_after(tree: Path) -> str:
+    """Return a name for the campaign of a tree alone, whatever its file is called."""
+    return _NO_NAME.sub("_", tree.stem)[:100]
 
 
 def load_campaign(path: Path) -> CampaignFile:

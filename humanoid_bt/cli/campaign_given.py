@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt.campaign.file import FOLDER, CampaignFile
+from humanoid_bt.campaign.file import FOLDER, CampaignFile, named_after
 from humanoid_bt.campaign.variation import BETWEEN
 from humanoid_bt.cli.overrides import sources
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
@@ -62,7 +62,7 @@ def _base(what: str, workspace: Workspace) -> Item:
         return item
     if what not in trees and not is_file(path):
         raise UserError(f"no tree and no campaign named {what!r}", hint=nearest(what, [*trees, *known]))
-    return item_of({"format": 1, "name": Path(what).stem, "tree": what}, Place(what))
+    return item_of({"format": 1, "name": named_after(Path(what)), "tree": what}, Place(what))
 
 
 def _is_tree(item: Item) -> bool:

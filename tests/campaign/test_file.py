@@ -11,6 +11,8 @@ import yaml
 
 from humanoid_bt.campaign.planning import checked_campaign
 from humanoid_bt.cli import main
+from humanoid_bt.cli.arguments import parser
+from humanoid_bt.cli.campaign_given import campaign_given
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 
@@ -108,3 +110,17 @@ def test_it_is_checked_formatted_and_completed(file: Path, capsys: pytest.Captur
     for key, value in (("nam", 1), ("seeds", "x-1"), ("tree", 5), ("conditions", [1]), ("require", 3)):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate({**yaml.safe_load(FILE), key: value}, schema)
+
+
+@pytest.mark.parametrize(("tree", "name"), [("point out (2)", "point out _2_"), ("-a+b", "_a_b"), ("läuft", "läuft")])
+def test_a_tree_may_be_called_as_no_campaign_can_be(
+    tree: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path("trees", f"{tree}.yaml")
+    file.parent.mkdir()
+    file.write_text("format: 1\nroot: {wait: 1 s}\n")
+    for what in (tree, str(file)):
+        campaign, _ = campaign_given(parser().parse_args(["campaign", "--dry", "--", what]), Workspace())
+        assert campaign.name == name
+        assert [item.value for item in campaign.tree.items] == [what]
