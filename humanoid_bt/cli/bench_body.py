@@ -183,13 +183,13 @@ def _failures(found: Withstood, arguments: argparse.Namespace) -> Iterator[str]:
     seed, result = worst.task.trial.seed, worst.result
     yield from hanging("  ", f"seed {seed}, {result.time:.1f} s: {result.reason}")
     if worst.task.recording:
-        yield from hanging("  ", f"humanoid-bt explain {shlex.quote(relative(Path(worst.task.recording)))}")
+        yield f"  humanoid-bt explain {shlex.quote(relative(Path(worst.task.recording)))}"
         return
     words = ["humanoid-bt", "bench", "--body", "--only", found.row.name, "--seed", str(seed), "--trials", "1"]
     words += ["--record", *(["--robot", arguments.robot] if arguments.robot else [])]
     words += ["--walk", found.body] if found.body else []
     words += ["--workspace", str(arguments.workspace)] if arguments.workspace else []
-    yield from hanging("  ", shlex.join(words))
+    yield f"  {shlex.join(words)}"
 
 
 def _recorded(found: Sequence[Withstood]) -> Iterator[str]:

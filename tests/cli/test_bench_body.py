@@ -63,6 +63,7 @@ def test_the_table_fits_a_small_terminal(
     assert main(["bench", "--body"]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert max(len(line) for line in lines if "humanoid-bt bench" not in line) <= columns
+    assert "  humanoid-bt bench --body --only slope --seed 1 --trials 1 --record" in lines, "not broken"
     rows = [" ".join(line.split()) for line in lines]
     assert "goals 20/20 20/20 84-100 % 95 % ok" in rows
     assert "push-standing-200 20/20 84-100 % 90 % ok" in rows
