@@ -122,11 +122,12 @@ def _told(console: SafeConsole, arguments: argparse.Namespace, found: Planned, s
     """Write the reports of what is done, print what they say; return the exit code."""
     said = summary(store)
     verdicts = [requirement.judge(said) for requirement in found.requirements]
-    store.write("summary.json", f"{json.dumps(said.to_dict(), indent=1)}\n".encode())
+    plain = json.dumps({**said.to_dict(), "required": {one.text: one.met for one in verdicts}}, indent=1)
+    store.write("summary.json", f"{plain}\n".encode())
     store.write("report.md", markdown(said, verdicts, store.folder).encode())
     store.write("report.html", html(said, verdicts, store.folder).encode())
     if arguments.json:
-        print(json.dumps({**said.to_dict(), "required": {one.text: one.met for one in verdicts}}, indent=1))
+        print(plain)
     else:
         _print(console, said, verdicts, store, took)
     for one in verdicts:
@@ -145,11 +146,12 @@ def _print(console: SafeConsole, said: Summary, verdicts: Sequence[Verdict], sto
     rows += [("report", str(Path(relative(store.folder)) / "report.html"))]
     print_lines(aligned(rows))
     for cause in said.causes[:_CAUSES]:
-        first, *more = told(cause, said, store.folder)
+        first, *more, again = told(cause, said, store.folder)
         print()
         print_lines(hanging("  ", first))
         for text in more:
             print_lines(hanging("    ", text))
+        print(f"    {again}")  # to be copied: not broken
     if (left := len(said.causes) - _CAUSES) > 0:
         print(f"\n  and {left} more causes in the report")
 

@@ -94,6 +94,8 @@ def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureF
     told = capsys.readouterr()
     assert "not met: success > 99 %: success is " in told.err
     assert "fell == 0 (fell is 0)" in told.out
+    assert told.out.endswith(f"\n    humanoid-bt campaign rerun {done} 2\n"), "not broken, so that it can be copied"
+    assert json.loads((done / "summary.json").read_text())["required"] == {"success > 99 %": False, "fell == 0": True}
     assert (done / RESULTS).read_bytes() == table
 
 

@@ -128,7 +128,7 @@ def add_campaign(commands: Commands) -> None:
         default=[],
         metavar="EXPR",
         help="what has to hold, as 'success >= 95 %%', 'success_low > 90 %%', 'fell == 0', 'time_p95 < 30 s', "
-        "'hand_error_median < 1 cm'; may be given several times",
+        "'hand_error_median < 1 cm'; may be given several times; what a campaign file requires has to hold, too",
     )
     judge.add_argument(
         "--fail-on",
