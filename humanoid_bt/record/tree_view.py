@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -57,9 +58,9 @@ class _Picture:
     def write(self, left: float, middle: float, text: str) -> None:
         """Add a label that begins at a place, cut to the drawing's width."""
         if left + text_width(text, _LETTERS) > SIZE[0]:
-            while text and left + text_width(text + "...", _LETTERS) > SIZE[0]:
-                text = text[:-1]
-            text += "..."
+            room = SIZE[0] - left
+            fits = bisect_right(range(1, len(text)), room, key=lambda count: text_width(text[:count] + "...", _LETTERS))
+            text = text[:fits] + "..."
         width = text_width(text, _LETTERS)
         self.labels.append(text)
         self.places.append((left + width / 2, middle - _DROP))

@@ -16,6 +16,7 @@ from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.tree.show import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.show.looks import STATUS_COLORS
+from humanoid_bt.tree.show.metrics import text_width
 from humanoid_bt.tree.source.load import load_tree
 from tests.record.conftest import OUTLINE
 from tests.record.helpers import rows
@@ -150,7 +151,25 @@ def test_a_long_label_is_cut(record: Maker, file: Path) -> None:
     node = OutlineNode("t", "act", "act", "skill", -1, parameters=("text: " + "long " * 80,))
     with record() as recorder:
         recorder.show_tree(1.0, TreeView(Outline("t", "", (node,))), {})
-    assert labels(file)[-1][1][0].endswith("...")
+    (text,) = labels(file)[-1][1]
+    whole = "○ act" + tree_view._GAP + node.parameters[0]
+    assert whole.startswith(text.removesuffix("..."))
+    longer = whole[: len(text) - 2] + "..."
+    widths = [tree_view._PAD + text_width(label, tree_view._LETTERS) for label in (text, longer)]
+    assert widths[0] <= tree_view.SIZE[0] < widths[1]
+
+
+def test_what_a_node_says_at_length_takes_no_time(record: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured: list[int] = []
+
+    def measure(text: str, size: float) -> float:
+        measured.append(len(text))
+        return text_width(text, size)
+
+    monkeypatch.setattr(tree_view, "text_width", measure)
+    with record() as recorder:
+        recorder.node_changed(1.0, "root/reach", "FAILURE", "long " * 800)
+    assert sum(measured) < 20 * 4000
 
 
 @pytest.mark.parametrize(("path", "status"), [("root/reech", "RUNNING"), ("root", "DONE")])
