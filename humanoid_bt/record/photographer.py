@@ -11,6 +11,7 @@ from humanoid_bt.plant.rendering import Setup, Shot
 
 _MOST = 32  # waiting pictures above which every second is left out
 _PATIENCE = 0.02  # share of the time so far that it waits at the end for what is not there yet
+_MOST_PATIENCE = 5.0  # s that this is at most
 _LONG_PATIENCE = 60.0  # s that it waits where every picture is wanted
 _START_TIMEOUT = 30.0  # s until it must be known whether there can be pictures
 _END_TIMEOUT = 5.0  # s that its thread may take to be gone: longer only if the system itself hangs
@@ -63,7 +64,7 @@ class Photographer:
     @property
     def patience(self) -> float:
         """How long :meth:`finish` waits for pictures that are not there yet [s]."""
-        return _LONG_PATIENCE if self._all else _PATIENCE * (time.monotonic() - self._began)
+        return _LONG_PATIENCE if self._all else min(_PATIENCE * (time.monotonic() - self._began), _MOST_PATIENCE)
 
     def finish(self) -> None:
         """Give pictures that are not there yet a little time, then end the process."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -15,7 +17,8 @@ from PIL import Image
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array
-from humanoid_bt.record import camera
+from humanoid_bt.plant.rendering import Setup
+from humanoid_bt.record import camera, photographer
 from humanoid_bt.record.recorder import Recorder
 from tests.record.helpers import make_state, rows
 
@@ -151,6 +154,18 @@ def test_a_process_that_dies_is_a_reason_too(recorded: Maker, file: Path) -> Non
     sample(recorder, 0.2)
     recorder.close()
     assert why(file) == ["no picture: its process ended"]
+
+
+@pytest.mark.parametrize(("slowest", "patience"), [(0.05, 5.0), (math.inf, 60.0)], ids=["auto", "on"])
+def test_the_end_of_a_run_of_ten_hours_waits_no_longer(
+    monkeypatch: pytest.MonkeyPatch, slowest: float, patience: float
+) -> None:
+    process = SimpleNamespace(open=lambda: "there is none", end=lambda: None, over=False)
+    monkeypatch.setattr(photographer, "CameraProcess", lambda *_: process)
+    waiting = photographer.Photographer(cast("Setup", None), slowest)
+    waiting._began -= 36_000
+    assert waiting.patience == patience
+    waiting.finish()
 
 
 def test_a_run_that_is_over_at_once_does_not_wait_for_pictures(
