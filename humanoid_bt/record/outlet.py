@@ -16,7 +16,7 @@ from urllib.parse import quote
 import rerun as rr
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.texts import one_line
+from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.record.feed import Feed
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.parted_file import PartedFile, Tell, tell_nobody
@@ -61,7 +61,7 @@ class Outlet:
         self, sinks: Sinks, name: str, blueprint: Any, announce: Announce = tell_nothing, tell: Tell = tell_nobody
     ) -> None:
         sinks.check()
-        self._sinks, self._name, self._blueprint = sinks, name, blueprint
+        self._sinks, self._name, self._blueprint = sinks, printable(name), blueprint
         self._announce, self._tell = announce, tell
         self._recording_id, self._created = uuid.uuid4().hex, time.time_ns()
         self.stream = Feed()

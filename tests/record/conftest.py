@@ -93,7 +93,7 @@ def record(model: mujoco.MjModel, config: RobotConfig, tmp_path: Path) -> Callab
     def make(**changes: Any) -> Recorder:
         sinks = changes.pop("sinks", Sinks(tmp_path / "run.rrd"))
         tree = TreeView(OUTLINE, "root: {selector: []}", "trees/small.yaml")
-        info = {"seed": "7", "parameters": "a: 1\nb: 2"}
+        info = changes.pop("info", {"seed": "7", "parameters": "a: 1\nb: 2"})
         view = View("head", 1.7, 1.4)
         return Recorder(model, JOINTS, config, tree=tree, sinks=sinks, info=info, camera=view, **changes)
 

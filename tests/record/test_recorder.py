@@ -187,6 +187,13 @@ def test_documents_hold_the_tree_file_and_the_parameters(record: Maker, file: Pa
     assert "a: 1\nb: 2" in run
 
 
+def test_a_tree_may_be_called_what_is_no_text(record: Maker, file: Path) -> None:
+    """As a file whose name has bytes of another encoding."""
+    with record(info={"tree": "gr\udcfc\udcdfe"}) as recorder:
+        recorder.sample(make_state(0.0), {}, {})
+    assert len(poses(file, "pelvis")) == 1
+
+
 def test_it_writes_as_it_goes_and_flush_writes_the_rest(record: Maker, file: Path) -> None:
     recorder = record()
     recorder.event(0.0, "info", "first")
