@@ -143,8 +143,9 @@ class Realtime:
             HumanoidBtError: control or perception did not come up. Call :meth:`close` all the same.
         """
         clean_stale()
-        core = None if live_runs() else last_core()  # two servo loops on one processor would starve each other
         folder = self._folder = RunFolder.create(RunInfo(self._tree, self.robot.config.name))
+        others = [run for run, _ in live_runs() if run.folder != folder.folder]  # one that begins now sees this one
+        core = None if others else last_core()  # two servo loops on one processor would starve each other
         try:
             self._spec(core, log).write(folder)
             if log is not None:
