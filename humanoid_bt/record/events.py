@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import rerun as rr
 
 from humanoid_bt.core.errors import HumanoidBtError, nearest
 from humanoid_bt.core.messages import Level
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import send
 from humanoid_bt.record.names import short_names
 from humanoid_bt.record.tree_view import printable
@@ -39,7 +42,7 @@ class EventLog:
     """
 
     def __init__(self, outline: Outline) -> None:
-        self._lines: list[_Line] = []
+        self._lines: Batch[_Line] = Batch("events")
         self.show(outline)
 
     def show(self, outline: Outline) -> None:
@@ -65,9 +68,11 @@ class EventLog:
 
     def flush(self, stream: Any) -> None:
         """Write the lines since the last flush."""
-        if self._lines:
-            times, levels, texts, paths = zip(*self._lines, strict=True)
-            lines = rr.TextLog.columns(text=texts, level=levels)
-            nodes = rr.AnyValues.columns(node=[printable(path) for path in paths])
-            send(stream, EVENTS, times, [*lines, *nodes])
-            self._lines.clear()
+        self._lines.draw(partial(_draw, stream))
+
+
+def _draw(stream: Any, lines: Sequence[_Line]) -> None:
+    times, levels, texts, paths = zip(*lines, strict=True)
+    columns = rr.TextLog.columns(text=texts, level=levels)
+    nodes = rr.AnyValues.columns(node=[printable(path) for path in paths])
+    send(stream, EVENTS, times, [*columns, *nodes])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import rerun as rr
 from humanoid_bt.core.messages import SIDES, Array, BaseTarget, State
 from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import send, xyzw
 from humanoid_bt.record.scene_view import WORLD
 
@@ -50,7 +52,7 @@ class Eye:
         self._base_height, self._heights = base_height, heights
         self._time = 0.0
         self._filters: tuple[list[float], list[float]] | None = None  # each: heading, middle of the picture, distance
-        self._rows: list[tuple[float, float, Point]] = []
+        self._rows: Batch[tuple[float, float, Point]] = Batch("the eye of the view")
 
     def add(
         self,
@@ -75,19 +77,7 @@ class Eye:
 
     def flush(self, stream: Any) -> None:
         """Write where the eye was since the last flush."""
-        if not self._rows:
-            return
-        times, headings, origins = zip(*self._rows, strict=True)
-        half = np.array(headings) / 2
-        turns = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=-1)
-        columns = rr.Transform3D.columns(
-            translation=np.array(origins),
-            quaternion=xyzw(turns),
-            parent_frame=[WORLD] * len(times),
-            child_frame=[FRAME] * len(times),
-        )
-        send(stream, FRAME, times, columns)
-        self._rows = []
+        self._rows.draw(partial(_draw, stream))
 
     def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> list[Point]:
         """Return what has to be in the picture, world frame [m]."""
@@ -122,8 +112,22 @@ class Eye:
         goal = (near[0] + turn, *_framed(points, far[0], self._base_height))
         near = [value + share * (aim - value) for value, aim in zip(near, goal, strict=True)]
         far = [value + share * (aim - value) for value, aim in zip(far, near, strict=True)]
-        self._filters = near, far
+        if math.isfinite(sum(far)):  # else the next state begins where this one did
+            self._filters = near, far
         return far
+
+
+def _draw(stream: Any, rows: Sequence[tuple[float, float, Point]]) -> None:
+    times, headings, origins = zip(*rows, strict=True)
+    half = np.array(headings) / 2
+    turns = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=-1)
+    columns = rr.Transform3D.columns(
+        translation=np.array(origins),
+        quaternion=xyzw(turns),
+        parent_frame=[WORLD] * len(times),
+        child_frame=[FRAME] * len(times),
+    )
+    send(stream, FRAME, times, columns)
 
 
 def _framed(points: Sequence[Point], heading: float, base_height: float) -> tuple[float, float, float, float]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from humanoid_bt.core.messages import (
 )
 from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import Color, entity, send, send_sets, strips
 from humanoid_bt.record.scene_view import WORLD
 from humanoid_bt.robot.config import SoleConfig
@@ -54,6 +56,8 @@ _CONTACT_COLOR = (255, 82, 82)
 _NEWTON = 0.005  # m of an arrow for each
 _CHEST = 0.25  # m above the base: about where a torso's contact is drawn
 
+_Samples = Sequence[tuple[State, Mapping[str, Track]]]
+
 
 class Overlays:
     """Percepts, targets, footsteps, balance and path of one robot.
@@ -65,7 +69,7 @@ class Overlays:
     def __init__(self, sole: SoleConfig) -> None:
         self._sole = sole
         self._half_size = [sole.half_length, sole.half_width, 0.001]
-        self._samples: list[tuple[State, Mapping[str, Track]]] = []
+        self._samples: Batch[tuple[State, Mapping[str, Track]]] = Batch("what the robot sees and wants")
         self._footsteps: tuple[tuple[Side, FootPose], ...] | None = None
         self._last_path: Array | None = None
         self._percepts: set[str] = set()
@@ -99,37 +103,38 @@ class Overlays:
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
-        if not self._samples:
-            return
-        times = [state.time for state, _ in self._samples]
-        self._flush_percepts(stream)
-        self._flush_balance(stream, times)
-        self._flush_hands(stream, times)
-        self._flush_base_and_gaze(stream, times)
-        self._flush_contacts(stream, times)
-        self._flush_footsteps(stream)
-        self._flush_path(stream)
-        self._samples = []
+        draws = (
+            self._draw_percepts,
+            self._draw_balance,
+            self._draw_hands,
+            self._draw_base,
+            self._draw_gaze,
+            self._draw_contacts,
+            self._draw_footsteps,
+            self._draw_path,
+        )
+        self._samples.draw(*(partial(draw, stream) for draw in draws))
 
-    def _flush_percepts(self, stream: Any) -> None:
-        for name in sorted({name for _, tracks in self._samples for name in tracks}):
+    def _draw_percepts(self, stream: Any, samples: _Samples) -> None:
+        for name in sorted({name for _, tracks in samples for name in tracks}):
             path = f"{PERCEPTS}/{entity(name)}"
             if name not in self._percepts:
                 self._percepts.add(name)
-                kinds = (tracks[name].class_name for _, tracks in self._samples if name in tracks)
+                kinds = (tracks[name].class_name for _, tracks in samples if name in tracks)
                 label = f"{name}: {kind}" if (kind := next(kinds, "")) else name
                 look = rr.Points3D.from_fields(labels=[label], radii=[0.022], show_labels=True)
                 stream.log(path, rr.CoordinateFrame(WORLD), look, static=True)
-            seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
+            seen = [(state.time, tracks[name]) for state, tracks in samples if name in tracks]
             columns = rr.Points3D.columns(
                 positions=[track.position_world for _, track in seen],
                 colors=[_confidence_color(track) for _, track in seen],
             )
             send(stream, path, [time for time, _ in seen], columns)
 
-    def _flush_balance(self, stream: Any, times: list[float]) -> None:
-        com = np.array([state.com for state, _ in self._samples])
-        velocity = np.array([state.com_velocity[:2] for state, _ in self._samples])
+    def _draw_balance(self, stream: Any, samples: _Samples) -> None:
+        times = _times(samples)
+        com = np.array([state.com for state, _ in samples])
+        velocity = np.array([state.com_velocity[:2] for state, _ in samples])
         # Divergent component of motion of the linear inverted pendulum: x + v / omega.
         period = np.sqrt(np.maximum(com[:, 2:], 0.05) / _GRAVITY)
         points = np.full((len(times), 2, 3), _LIFT)
@@ -137,18 +142,18 @@ class Overlays:
         points[:, 1, :2] = com[:, :2] + velocity * period
         columns = rr.Points3D.columns(positions=points.reshape(-1, 3))
         send_sets(stream, f"{WORLD}/balance/points", times, columns, [2] * len(times))
-        polygons = [self._support(state) for state, _ in self._samples]
+        polygons = [self._support(state) for state, _ in samples]
         lines = rr.LineStrips3D.columns(strips=strips([polygon for polygon in polygons if polygon]))
         send_sets(stream, f"{WORLD}/balance/support", times, lines, [int(bool(polygon)) for polygon in polygons])
 
-    def _flush_hands(self, stream: Any, times: list[float]) -> None:
+    def _draw_hands(self, stream: Any, samples: _Samples) -> None:
+        times = _times(samples)
         goals = [
-            [(side, goal) for side in SIDES if (goal := commanded(state, side)) is not None]
-            for state, _ in self._samples
+            [(side, goal) for side in SIDES if (goal := commanded(state, side)) is not None] for state, _ in samples
         ]
         targets = [
             [(side, goal.position, state.hands.get(side, goal.position)) for side, goal in row]
-            for row, (state, _) in zip(goals, self._samples, strict=True)
+            for row, (state, _) in zip(goals, samples, strict=True)
         ]
         counts = [len(row) for row in targets]
         flat = [hand for row in targets for hand in row]
@@ -168,8 +173,9 @@ class Overlays:
             send_sets(stream, f"{WORLD}/targets/turns", times, arrows, [len(row) for row in axes])
             self._turns = True
 
-    def _flush_base_and_gaze(self, stream: Any, times: list[float]) -> None:
-        bases = [state.targets.get("base") for state, _ in self._samples]
+    def _draw_base(self, stream: Any, samples: _Samples) -> None:
+        times = _times(samples)
+        bases = [state.targets.get("base") for state, _ in samples]
         found = [target for target in bases if isinstance(target, BaseTarget)]
         arrows = rr.Arrows3D.columns(
             origins=_rows([[*target.position, _LIFT] for target in found]),
@@ -178,14 +184,17 @@ class Overlays:
             ),
         )
         send_sets(stream, f"{WORLD}/targets/base", times, arrows, [int(isinstance(base, BaseTarget)) for base in bases])
-        rays = strips([(state.gaze_position, _gaze_end(state)) for state, _ in self._samples])
-        send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=rays))
 
-    def _flush_contacts(self, stream: Any, times: list[float]) -> None:
+    def _draw_gaze(self, stream: Any, samples: _Samples) -> None:
+        rays = strips([(state.gaze_position, _gaze_end(state)) for state, _ in samples])
+        send(stream, f"{WORLD}/gaze", _times(samples), rr.LineStrips3D.columns(strips=rays))
+
+    def _draw_contacts(self, stream: Any, samples: _Samples) -> None:
         """Draw what pushes the robot as arrows that end where it does."""
+        times = _times(samples)
         found = [
             [(_touched_at(state, group), _NEWTON * contact.force) for group, contact in state.contacts.items()]
-            for state, _ in self._samples
+            for state, _ in samples
         ]
         flat = [arrow for arrows in found for arrow in arrows]
         columns = rr.Arrows3D.columns(
@@ -193,9 +202,9 @@ class Overlays:
         )
         send_sets(stream, f"{WORLD}/contacts", times, columns, [len(arrows) for arrows in found])
 
-    def _flush_footsteps(self, stream: Any) -> None:
+    def _draw_footsteps(self, stream: Any, samples: _Samples) -> None:
         changes: list[State] = []
-        for state, _ in self._samples:
+        for state, _ in samples:
             if state.footsteps != self._footsteps:
                 self._footsteps = state.footsteps
                 changes.append(state)
@@ -215,9 +224,9 @@ class Overlays:
         counts = [len(state.footsteps) for state in changes]
         send_sets(stream, f"{WORLD}/footsteps", times, columns, counts, lasting=True)
 
-    def _flush_path(self, stream: Any) -> None:
+    def _draw_path(self, stream: Any, samples: _Samples) -> None:
         points: list[tuple[float, Array]] = []
-        for state, _ in self._samples:
+        for state, _ in samples:
             here = state.stance[:2]
             if self._last_path is None or np.hypot(*(here - self._last_path)) >= _PATH_SPACING:
                 self._last_path = here
@@ -233,6 +242,10 @@ class Overlays:
             return []
         outline = soles[0] if len(soles) == 1 else _convex_hull([*soles[0], *soles[1]])
         return [(x, y, _LIFT) for x, y in (*outline, outline[0])]
+
+
+def _times(samples: _Samples) -> list[float]:
+    return [state.time for state, _ in samples]
 
 
 def _axes(target: HandTarget) -> list[tuple[Array, Array, Color]]:

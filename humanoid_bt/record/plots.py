@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -11,6 +12,7 @@ import rerun as rr
 
 from humanoid_bt.core.messages import SIDES, Array, State
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import Color, entity, send
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig
@@ -45,6 +47,8 @@ PALETTE: tuple[Color, ...] = (
 )
 """Colours of curves, one after the other."""
 
+_Samples = Sequence[tuple[State, Mapping[str, Track]]]
+
 
 class Plots:
     """Time series of one robot.
@@ -63,7 +67,7 @@ class Plots:
         self.groups: dict[str, Array] = {group: np.array(found) for group, found in members.items() if found}
         joints = [model.joint(name).id for name in joint_names]
         self._lower, self._upper = soft_limits(model, joints, config.soft_limit_margin)
-        self._samples: list[tuple[State, Mapping[str, Track]]] = []
+        self._samples: Batch[tuple[State, Mapping[str, Track]]] = Batch("the plots")
         self._percepts: set[str] = set()
         self._limits_drawn: dict[str, bool] = {}  # at the end of the last batch, by group
 
@@ -93,20 +97,11 @@ class Plots:
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
-        if not self._samples:
-            return
-        states = [state for state, _ in self._samples]
-        times = [state.time for state in states]
-        self._flush_joints(stream, times, states)
-        _scalars(stream, FEET, times, np.array([[state.foot_force[side] for side in SIDES] for state in states]))
-        errors = np.array([[state.hand_errors.get(side, np.nan) for side in SIDES] for state in states])
-        _scalars(stream, HANDS, times, errors)
-        for path, values in zip((SPEED, TURN, TILT), _base(states), strict=True):
-            _scalars(stream, path, times, values)
-        self._flush_percepts(stream)
-        self._samples = []
+        draws = (self._draw_joints, _draw_body, self._draw_percepts)
+        self._samples.draw(*(partial(draw, stream) for draw in draws))
 
-    def _flush_joints(self, stream: Any, times: list[float], states: list[State]) -> None:
+    def _draw_joints(self, stream: Any, samples: _Samples) -> None:
+        times, states = _states(samples)
         position = np.array([state.joint_positions for state in states])
         setpoint = np.array([state.setpoint_positions for state in states])
         torque = np.array([state.joint_torques for state in states])
@@ -123,9 +118,9 @@ class Plots:
                 _scalars(stream, f"{path}/soft_limit", times, limit[:, joints])
                 self._limits_drawn[group] = bool(near[-1].any())
 
-    def _flush_percepts(self, stream: Any) -> None:
-        for name in sorted({name for _, tracks in self._samples for name in tracks}):
-            seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
+    def _draw_percepts(self, stream: Any, samples: _Samples) -> None:
+        for name in sorted({name for _, tracks in samples for name in tracks}):
+            seen = [(state.time, tracks[name]) for state, tracks in samples if name in tracks]
             times = [time for time, _ in seen]
             paths = {
                 CONFIDENCE: [track.confidence for _, track in seen],
@@ -140,6 +135,21 @@ class Plots:
                 self._percepts.add(name)
             for path, values in paths.items():
                 _scalars(stream, entity(*path.split("/"), name), times, np.array(values))
+
+
+def _draw_body(stream: Any, samples: _Samples) -> None:
+    """Draw feet, hands and base."""
+    times, states = _states(samples)
+    _scalars(stream, FEET, times, np.array([[state.foot_force[side] for side in SIDES] for state in states]))
+    errors = np.array([[state.hand_errors.get(side, np.nan) for side in SIDES] for state in states])
+    _scalars(stream, HANDS, times, errors)
+    for path, values in zip((SPEED, TURN, TILT), _base(states), strict=True):
+        _scalars(stream, path, times, values)
+
+
+def _states(samples: _Samples) -> tuple[list[float], list[State]]:
+    """Return times [s] and states."""
+    return [state.time for state, _ in samples], [state for state, _ in samples]
 
 
 def _scalars(stream: Any, path: str, times: Sequence[float], values: Array, *, lasting: bool = False) -> None:

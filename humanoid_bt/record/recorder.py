@@ -182,8 +182,20 @@ class Recorder:
         self._check_open()
         if tick:
             self._flight.tick(state.time, tick)
-        seen = dict(tracks)
         self._sampled = state.time
+        try:
+            self._show(state, dict(tracks), objects, hidden)
+        finally:
+            if self._last_flush == -np.inf:
+                self._last_flush = state.time
+            if state.time - self._last_flush >= self._batch - _SLACK:
+                self._last_flush = state.time
+                self.write()
+
+    def _show(
+        self, state: State, seen: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str]
+    ) -> None:
+        """Take what is shown of a tick."""
         self._plots.add(state, seen)
         self._lanes.add(state)
         if state.time - self._last_frame >= _FRAME - _SLACK:
@@ -194,11 +206,6 @@ class Recorder:
             self._overlays.add(state, seen)
             self._routes.add(state, seen)
             self._stop_sign.add(state)
-        if self._last_flush == -np.inf:
-            self._last_flush = state.time
-        if state.time - self._last_flush >= self._batch - _SLACK:
-            self.write()
-            self._last_flush = state.time
 
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :class:`~humanoid_bt.control.cycle_log.CycleLog` keeps them.

@@ -22,6 +22,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.texts import told
 from humanoid_bt.record.sample import decode_call
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ class RecorderProcess:
         self._saved = 0.0  # on the monotonic clock [s]
         self._last = 0.0  # engine time of the last tick [s]
         self._heard = time.monotonic()
+        self._left_out: set[str] = set()  # of what calls something was left out
         logging.getLogger().addHandler(_Telling(self))
 
     def run(self) -> None:
@@ -91,7 +93,12 @@ class RecorderProcess:
     def _obey(self, recorder: Recorder, method: str, arguments: tuple[Any, ...]) -> bool:
         """Do what decision asks; return whether more can come."""
         self._heard = time.monotonic()
-        getattr(recorder, method)(*arguments)
+        try:
+            getattr(recorder, method)(*arguments)
+        except Exception as error:
+            if method == "close":
+                raise
+            self._leave_out(method, error)
         if method == "sample":  # a tick is whole
             self._last = arguments[0].time
             self._save()
@@ -99,6 +106,12 @@ class RecorderProcess:
         if method == "close":
             self.say("closed")
         return method != "close"
+
+    def _leave_out(self, method: str, error: Exception) -> None:
+        """Go on without what cannot be recorded; tell it once, for it may be so in every tick of hours."""
+        if method not in self._left_out:
+            self._left_out.add(method)
+            self.say("told", "warning", f"something ({method}) cannot be recorded, and is left out: {told(error)}")
 
     def _save(self) -> None:
         """Write what must not be lost, if the last time was long enough ago."""

@@ -31,7 +31,12 @@ from humanoid_bt.record.tick import Tick
 _START_TIMEOUT = 90.0  # s to open everything: a viewer on a cold disk, a camera that is insisted on
 _PATIENCE = 10.0  # s without a sign of life after which a recorder that is waited for is given up
 _BEHIND = 5.0  # s that a recorder which is not waited for may be behind before ticks are left out
-_ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "RUST_LOG": "off"}  # it tells of trouble itself
+_ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "RUST_LOG": "off",  # it tells of trouble itself
+    "RERUN_STRICT": "1",  # what cannot be drawn is an error: else a whole batch is lost with a warning that nobody sees
+}
 _ROOM = 1 << 22  # bytes of other news that wait for it then
 _END_TIMEOUT = 5.0  # s that an ended process may take to be gone
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import rerun as rr
 
 from humanoid_bt.decision.result import Reported
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import entity, send
 from humanoid_bt.record.plots import LEGEND, PALETTE
 
@@ -19,12 +21,14 @@ KINDS = {"m": "lengths", "rad": "angles"}
 OTHERS = "others"
 """Where those of other units, or of none, stand."""
 
+_Series = tuple[str, str, str]  # path of the node, name, unit
+
 
 class ResultSeries:
     """Collects results and writes them in batches."""
 
     def __init__(self) -> None:
-        self._rows: dict[tuple[str, str, str], list[tuple[float, float]]] = {}  # path, name, unit -> time [s], value
+        self._rows: Batch[tuple[_Series, float, float]] = Batch("results")  # with time [s] and value
         self._begun: set[str] = set()  # entities whose series have names in the recording
 
     def add(self, time: float, path: str, results: Sequence[Reported]) -> None:
@@ -37,20 +41,22 @@ class ResultSeries:
         """
         for name, value, unit in results:
             if not isinstance(value, str):
-                self._rows.setdefault((path, name, unit), []).append((time, float(value)))
+                self._rows.append(((path, name, unit), time, float(value)))
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
-        for (path, name, unit), rows in self._rows.items():
+        self._rows.draw(partial(self._draw, stream))
+
+    def _draw(self, stream: Any, rows: Sequence[tuple[_Series, float, float]]) -> None:
+        for path, name, unit in dict.fromkeys(series for series, _, _ in rows):
+            times, values = zip(*((time, value) for of, time, value in rows if of == (path, name, unit)), strict=True)
             series = entity(RESULTS, KINDS.get(unit, OTHERS), path, name)
-            times, values = zip(*rows, strict=True)
             if series not in self._begun:
                 color = PALETTE[len(self._begun) % len(PALETTE)]
-                self._begun.add(series)
                 label = f"{path.rsplit('/', 1)[-1]}: {name.replace('_', ' ')}" + (f" [{unit}]" if unit else "")
                 legend = entity(RESULTS, LEGEND, path, name)
                 for curve in (series, legend):
                     stream.log(curve, rr.SeriesLines(names=[label], colors=[color]), static=True)
                 send(stream, legend, times[:1], rr.Scalars.columns(scalars=np.array([np.nan])), lasting=True)
+                self._begun.add(series)
             send(stream, series, times, rr.Scalars.columns(scalars=np.array(values)))
-        self._rows = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import rerun as rr
 
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import send_sets
 from humanoid_bt.record.scene_view import WORLD
 
@@ -33,9 +35,9 @@ class RouteView:
     """
 
     def __init__(self) -> None:
-        self._seen: list[tuple[float, list[Track]]] = []
+        self._seen: Batch[tuple[float, Sequence[Track]]] = Batch("obstacles")
         self._boxes: list[tuple[float, ...]] = []  # as they were last
-        self._routes: list[tuple[float, Sequence[Array]]] = []
+        self._routes: Batch[tuple[float, Sequence[Array]]] = Batch("the way round obstacles")
         self.latest: Sequence[Array] = ()
 
     def log_static(self, stream: Any) -> None:
@@ -60,21 +62,24 @@ class RouteView:
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
-        if self._seen:
-            flat = [track for _, tracks in self._seen for track in tracks]
-            columns = rr.Boxes3D.columns(
-                half_sizes=np.array([track.size for track in flat]).reshape(-1, 3) / 2,
-                centers=np.array([track.position_world for track in flat]).reshape(-1, 3),
-                quaternions=[_upright(track.heading_world) for track in flat],
-            )
-            counts = [len(tracks) for _, tracks in self._seen]
-            send_sets(stream, OBSTACLES, [time for time, _ in self._seen], columns, counts, lasting=True)
-        if self._routes:
-            strips = [_on_floor(route) for _, routes in self._routes for route in routes]
-            counts = [len(routes) for _, routes in self._routes]
-            columns = rr.LineStrips3D.columns(strips=strips)
-            send_sets(stream, ROUTE, [time for time, _ in self._routes], columns, counts, lasting=True)
-        self._seen, self._routes = [], []
+        self._seen.draw(partial(_draw_obstacles, stream))
+        self._routes.draw(partial(_draw_routes, stream))
+
+
+def _draw_obstacles(stream: Any, seen: Sequence[tuple[float, Sequence[Track]]]) -> None:
+    flat = [track for _, tracks in seen for track in tracks]
+    columns = rr.Boxes3D.columns(
+        half_sizes=np.array([track.size for track in flat]).reshape(-1, 3) / 2,
+        centers=np.array([track.position_world for track in flat]).reshape(-1, 3),
+        quaternions=[_upright(track.heading_world) for track in flat],
+    )
+    send_sets(stream, OBSTACLES, [time for time, _ in seen], columns, [len(tracks) for _, tracks in seen], lasting=True)
+
+
+def _draw_routes(stream: Any, changes: Sequence[tuple[float, Sequence[Array]]]) -> None:
+    columns = rr.LineStrips3D.columns(strips=[_on_floor(route) for _, routes in changes for route in routes])
+    times, counts = [time for time, _ in changes], [len(routes) for _, routes in changes]
+    send_sets(stream, ROUTE, times, columns, counts, lasting=True)
 
 
 def _upright(heading: float) -> Any:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -13,6 +14,7 @@ import rerun as rr
 from humanoid_bt.core.errors import HumanoidBtError, nearest
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.record import geoms
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import entity, send, xyzw
 
 WORLD = "world"
@@ -58,15 +60,12 @@ class SceneView:
         roots = (names.keys() - stands) | set(self._objects.values())
         self._moving = np.array([body for body in names if self._hangs_on(body, roots)], dtype=int)
         self._frames = [names[body] for body in self._moving]
-        self._times: list[float] = []
-        self._positions: list[Array] = []
-        self._quaternions: list[Array] = []
+        self._poses: Batch[tuple[float, Array, Array]] = Batch("the robot and the scene")
         self._looks: dict[str, list[tuple[str, int, Any]]] = {name: [] for name in self._objects}
         self._hidden: dict[str, bool] = {}
-        self._hidings: list[tuple[float, str, bool]] = []
+        self._hidings: Batch[tuple[float, str, bool]] = Batch("what is hidden")
         self._base = model.body(base).id
-        self._true_times: list[float] = []
-        self._true_poses: list[Array] = []
+        self._truths: Batch[tuple[float, Array]] = Batch("where the base really is")
 
     def log_static(self, stream: Any) -> None:
         """Write the geoms: those of moving bodies in their bodies' frames, the others in the world's.
@@ -108,8 +107,7 @@ class SceneView:
             time: [s].
             pose: world frame, shape (7,).
         """
-        self._true_times.append(time)
-        self._true_poses.append(pose)
+        self._truths.append((time, pose))
 
     def add(self, state: State, objects: Mapping[str, Array], hidden: Container[str]) -> None:
         """Compute the bodies' poses in one state.
@@ -137,37 +135,32 @@ class SceneView:
             if self._hidden.get(name) is not (now := name in hidden):
                 self._hidden[name] = now
                 self._hidings.append((state.time, name, now))
-        self._times.append(state.time)
-        self._positions.append(data.xpos[self._moving])
-        self._quaternions.append(data.xquat[self._moving])
+        self._poses.append((state.time, data.xpos[self._moving], data.xquat[self._moving]))
 
     def flush(self, stream: Any) -> None:
         """Write the poses and looks added since the last flush."""
-        rows, bodies = len(self._times), len(self._moving)
-        if rows and bodies:
-            columns = rr.Transform3D.columns(
-                translation=np.concatenate(self._positions),
-                quaternion=xyzw(np.concatenate(self._quaternions)),
-                parent_frame=[WORLD] * (rows * bodies),
-                child_frame=self._frames * rows,
-            )
-            send(stream, POSES, np.repeat(self._times, bodies), columns)
-        if self._true_times:
-            poses = np.array(self._true_poses)
-            rows = len(poses)
-            columns = rr.Transform3D.columns(
-                translation=poses[:, :3],
-                quaternion=xyzw(poses[:, 3:]),
-                parent_frame=[WORLD] * rows,
-                child_frame=[TRUTH] * rows,
-            )
-            send(stream, TRUTH, self._true_times, columns)
-            self._true_times, self._true_poses = [], []
-        for time, name, hidden in self._hidings:
+        self._poses.draw(partial(self._draw_poses, stream))
+        self._truths.draw(partial(_draw_truths, stream))
+        self._hidings.draw(partial(self._draw_hidings, stream))
+
+    def _draw_poses(self, stream: Any, poses: Sequence[tuple[float, Array, Array]]) -> None:
+        times, positions, quaternions = zip(*poses, strict=True)
+        rows, bodies = len(times), len(self._moving)
+        if not bodies:
+            return
+        columns = rr.Transform3D.columns(
+            translation=np.concatenate(positions),
+            quaternion=xyzw(np.concatenate(quaternions)),
+            parent_frame=[WORLD] * (rows * bodies),
+            child_frame=self._frames * rows,
+        )
+        send(stream, POSES, np.repeat(times, bodies), columns)
+
+    def _draw_hidings(self, stream: Any, hidings: Sequence[tuple[float, str, bool]]) -> None:
+        for time, name, hidden in hidings:
             for path, geom, kind in self._looks[name]:
                 look = kind.columns(**geoms.look(self._model, geom, hidden=hidden))
                 send(stream, path, [time], look, lasting=True)
-        self._times, self._positions, self._quaternions, self._hidings = [], [], [], []
 
     def _hangs_on(self, body: int, roots: set[int]) -> bool:
         while body:
@@ -182,6 +175,18 @@ class SceneView:
         root = int(self._model.body_rootid[body])
         part = "robot" if self._model.body_weldid[root] else "scene"
         return entity(WORLD, part, _body_name(self._model, body))
+
+
+def _draw_truths(stream: Any, truths: Sequence[tuple[float, Array]]) -> None:
+    times, poses = zip(*truths, strict=True)
+    true, rows = np.array(poses), len(times)
+    columns = rr.Transform3D.columns(
+        translation=true[:, :3],
+        quaternion=xyzw(true[:, 3:]),
+        parent_frame=[WORLD] * rows,
+        child_frame=[TRUTH] * rows,
+    )
+    send(stream, TRUTH, times, columns)
 
 
 def _body_name(model: mujoco.MjModel, body: int) -> str:

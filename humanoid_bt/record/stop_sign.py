@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import rerun as rr
 
 from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.record.batch import Batch
 from humanoid_bt.record.columns import send_sets
 from humanoid_bt.record.lanes import MODE_COLORS
 from humanoid_bt.record.scene_view import WORLD
@@ -32,7 +35,7 @@ class StopSign:
 
     def __init__(self, base_height: float) -> None:
         self._base_height = base_height
-        self._states: list[State] = []
+        self._states: Batch[State] = Batch("stops")
         self._shown = False
 
     def log_static(self, stream: Any) -> None:
@@ -51,11 +54,12 @@ class StopSign:
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
-        if not self._states:
-            return
-        times = [state.time for state in self._states]
-        stops = [state for state in self._states if state.mode is not Mode.RUN]
-        counts = [int(state.mode is not Mode.RUN) for state in self._states]
+        self._states.draw(partial(self._draw, stream))
+
+    def _draw(self, stream: Any, states: Sequence[State]) -> None:
+        times = [state.time for state in states]
+        stops = [state for state in states if state.mode is not Mode.RUN]
+        counts = [int(state.mode is not Mode.RUN) for state in states]
         floor = np.array([[*state.base_position[:2], _LIFT] for state in stops]).reshape(-1, 3)
         colors = [MODE_COLORS[state.mode.value] for state in stops]
         radius = _RADIUS * self._base_height
@@ -73,7 +77,6 @@ class StopSign:
         )
         for path, columns in ((DISC, discs), (RIM, rims), (REASON, reasons)):
             send_sets(stream, path, times, columns, counts)
-        self._states = []
 
 
 def _text(state: State) -> str:
