@@ -93,6 +93,11 @@ class Flight:
         """Whether it takes rows by itself."""
         return self._follower is not None
 
+    @property
+    def control_lives(self) -> bool:
+        """Whether it takes rows by itself from somebody who still writes them."""
+        return self._follower is not None and self._follower.control_lives
+
     def finish(self, patience: float, stream: Any) -> None:
         """Take what control still writes, until it has ended or it takes too long [s]; write it as it comes."""
         if self._follower is not None:
@@ -133,6 +138,11 @@ class _Follower(threading.Thread):
         self._ending = threading.Event()
         self.trouble = ""
 
+    @property
+    def control_lives(self) -> bool:
+        """Whether somebody still writes the rows."""
+        return self._cycles.has_writer
+
     def run(self) -> None:
         """Take rows until it is to finish."""
         while not self._ending.wait(_LOOK):
@@ -144,7 +154,7 @@ class _Follower(threading.Thread):
         self.join()
         waits = threading.Event()
         for _ in range(round(patience / _LOOK)):
-            if not self._cycles.has_writer:
+            if not self.control_lives:
                 break
             waits.wait(_LOOK)
             self._take()

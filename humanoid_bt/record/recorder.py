@@ -131,6 +131,11 @@ class Recorder:
         return self._flight.follows
 
     @property
+    def control_lives(self) -> bool:
+        """Whether there is a control from which it takes servo cycles by itself, and which still writes them."""
+        return self._flight.control_lives
+
+    @property
     def _batch(self) -> float:
         """Time that a batch covers [s]."""
         if self._live:

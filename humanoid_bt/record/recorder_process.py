@@ -70,6 +70,7 @@ class RecorderProcess:
             while self._obey(self._recorder, *decode_call(self._source)):
                 pass
         except (EOFError, ConnectionError, pickle.UnpicklingError):
+            self._outlast_control()
             self._close_alone("the process of the run ended without closing the recording")
         except Exception as error:  # a mistake of our own: the run goes on without a recording
             traceback.print_exc()
@@ -136,6 +137,12 @@ class RecorderProcess:
         if self._recorder is not None and time.monotonic() - self._heard > _SILENCE:
             self._heard = time.monotonic()
             self._recorder.write()
+
+    def _outlast_control(self) -> None:
+        """Go on as long as control does, which holds the robot when decision is gone."""
+        while self._recorder is not None and self._recorder.control_lives:
+            self._idle()
+            time.sleep(_PAUSE)
 
     def _close_alone(self, why: str) -> None:
         """Close the recording, for which nobody waits."""
