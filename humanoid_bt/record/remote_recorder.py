@@ -95,9 +95,9 @@ class RemoteRecorder:
             self._outbox.put(encode_call("open", setup), _START_TIMEOUT)
             while (answer := self._answer(_START_TIMEOUT))[0] == "busy":
                 pass
-        except (OSError, Stuck):
+        except (OSError, Stuck) as error:
             told = [text for _, text in self.take_news()]
-            how = how_ended(self._process) or f"it did not answer within {_START_TIMEOUT:g} s"
+            how = f"it did not answer within {_START_TIMEOUT:g} s" if isinstance(error, Stuck) else self._how_ended()
             raise HumanoidBtError(told[0] if told else f"the recorder process did not come up: {how}") from None
         kind, result = answer
         if kind == "refused":
@@ -256,10 +256,11 @@ class RemoteRecorder:
             if how := how_ended(self._process):  # else it is about to
                 self._lose(f"the recorder process ended ({how})")
 
-    def _lose(self, what: str) -> None:
+    def _lose(self, what: str, *, kill: bool = True) -> None:
         """Go on without a recorder, in the midst of the run."""
         self._over = True
-        self._process.kill()
+        if kill:
+            self._process.kill()
         self._news.append(("error", f"{what}: nothing is recorded from {self._last:.2f} s on"))
 
     def _hear(self) -> None:
@@ -280,7 +281,7 @@ class RemoteRecorder:
                 case "told":
                     self._news.append((values[0], values[1]))
                 case "failed":
-                    self._lose(f"the recorder failed ({values[0]})")
+                    self._lose(f"the recorder failed ({values[0]})", kill=False)  # it closes the file
                 case _:
                     self._answers.append([kind, *values])
 
@@ -312,10 +313,14 @@ class RemoteRecorder:
                 took = f"more than {limit + _PATIENCE:g} s"
                 self._news.append(("error", f"the recorder was ended: it took {took} to {what}"))
         except OSError:
-            with suppress(subprocess.TimeoutExpired):
-                self._process.wait(_END_TIMEOUT)
-            how = how_ended(self._process) or "it ended"
-            self._news.append(("error", f"the recorder process ended before the recording was closed ({how})"))
+            why = f"the recorder process ended before the recording was closed ({self._how_ended()})"
+            self._news.append(("error", why))
+
+    def _how_ended(self) -> str:
+        """Return how the process ended, which has let go of its end: it may take a moment to be gone."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_END_TIMEOUT)
+        return how_ended(self._process) or "it ended"
 
 
 def _start(end: socket.socket, core: int | None) -> subprocess.Popen[bytes]:

@@ -11,14 +11,17 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget, Percept
+from humanoid_bt.link.table import TableWriter
 from humanoid_bt.link.wire import encode_state
 from humanoid_bt.perception.track import Track
-from humanoid_bt.record import remote_recorder
+from humanoid_bt.record import recorder_process, remote_recorder
 from humanoid_bt.record.outbox import Outbox, Stuck
 from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
@@ -165,6 +168,32 @@ def test_a_recorder_that_is_ended_as_it_loads_leaves_nothing_behind(
     os.close(telling)
 
 
+def started(monkeypatch: pytest.MonkeyPatch, script: str) -> RemoteRecorder:
+    """Return one whose process is a script of a shell, with its end as standard input."""
+
+    def start(end: socket.socket, _core: int | None) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(["sh", "-c", script], stdin=end.fileno(), start_new_session=True)
+
+    monkeypatch.setattr(remote_recorder, "_start", start)
+    return RemoteRecorder(waits=True)
+
+
+def test_how_a_recorder_ended_is_known_though_it_takes_a_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    script = "exec 0<&-; sleep 0.05; exit 3"
+    with started(monkeypatch, script) as recorder, pytest.raises(HumanoidBtError, match=r"come up: exit code 3"):
+        recorder.open()
+
+
+def test_a_recorder_that_fails_is_left_to_close_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    with started(monkeypatch, """echo '["failed", "KeyError: 1"]' >&0; sleep 60""") as recorder:
+        assert select.select([recorder._end], [], [], 20)[0]
+        recorder.sample(Tick(make_state()), {}, {})
+        ((_, text),) = recorder.take_news()
+        assert text.startswith("the recorder failed (KeyError: 1)")
+        with pytest.raises(subprocess.TimeoutExpired):
+            recorder._process.wait(0.05)
+
+
 def test_while_nothing_comes_there_is_time_for_other_things(ends: tuple[socket.socket, socket.socket]) -> None:
     one, other = ends
     source = _Unhurried(other, lambda: one.sendall(b"x"))
@@ -190,3 +219,35 @@ def test_servo_cycles_are_written_while_decision_is_silent(
         process._saved = time.monotonic() - after
         process._idle()
         assert len(read_cycles(tmp_path / "run.rrd").time) == 20
+
+
+def test_what_control_does_after_decision_died_is_recorded_to_its_end(
+    ends: tuple[socket.socket, socket.socket],
+    record: Callable[..., Recorder],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """However long that takes: who waits for the end of the recording waits for it no longer than a moment."""
+    paths = tmp_path / "plans", tmp_path / "cycles"
+    LAYOUT.create(*paths)
+    plans, cycles = (TableWriter.open(path) for path in paths)
+    looks = iter(range(20))
+
+    def control_goes_on(_: float) -> None:
+        for _ in range(5):
+            cycles.rows[cycles.count % len(cycles.rows)] = cycles.count
+            cycles.publish()
+        if next(looks) == 19:
+            cycles.close()
+
+    clock = SimpleNamespace(monotonic=time.monotonic, sleep=control_goes_on)
+    monkeypatch.setattr(recorder_process, "time", clock)
+    monkeypatch.setattr(recorder_process, "_ALONE", 1e6)
+    monkeypatch.setattr("humanoid_bt.record.recorder._CONTROL_ENDS", 0.0)
+    process = RecorderProcess(ends[1])
+    process._recorder = record()
+    process._obey(process._recorder, "follow", paths)
+    ends[0].close()
+    process.run()
+    plans.close()
+    assert len(read_cycles(tmp_path / "run.rrd").time) == 100
