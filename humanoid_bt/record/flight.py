@@ -8,6 +8,7 @@ plots. What is here is for whoever wants to know what happened, or to run it aga
 from __future__ import annotations
 
 import json
+import math
 import threading
 from collections import deque
 from collections.abc import Iterator, Mapping
@@ -29,6 +30,7 @@ from humanoid_bt.record.packing import bundle, pack
 FLIGHT = "flight"
 PLANS, CYCLES, TICKS, NEWS = "plans", "cycles", "ticks", "news"
 _LOOK = 0.02  # s between two looks into tables that are files
+_APART = 10.0  # s between losses that are told one by one
 
 
 class Flight:
@@ -106,7 +108,7 @@ class Flight:
 
     @property
     def trouble(self) -> str:
-        """What is missing, "" while nothing is."""
+        """What was missing last, "" while nothing is."""
         return self._follower.trouble if self._follower is not None else ""
 
     def flush(self, stream: Any) -> bool:
@@ -136,6 +138,7 @@ class _Follower(threading.Thread):
         self._flight, self._plans, self._cycles = flight, plans, cycles
         self._read = [0, 0]
         self._ending = threading.Event()
+        self._lost = -math.inf  # engine time before which the last ones were lost [s]
         self.trouble = ""
 
     @property
@@ -166,8 +169,12 @@ class _Follower(threading.Thread):
         (plans, lost_plans), (cycles, lost) = self._plans.since(self._read[0]), self._cycles.since(self._read[1])
         until = (self._read[1] + lost) * SERVO_PERIOD  # there may be no row left after those
         self._read = [self._read[0] + lost_plans + len(plans), self._read[1] + lost + len(cycles)]
-        if lost and not self.trouble:
-            self.trouble = f"servo cycles are missing in the recording before {until:.2f} s: they were taken too late"
+        if lost:
+            if until - self._lost > _APART:
+                self.trouble = (
+                    f"servo cycles are missing in the recording before {until:.2f} s: they were taken too late"
+                )
+            self._lost = until
         self._flight.add(plans, cycles)
 
 

@@ -11,7 +11,8 @@ import rerun as rr
 
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.link.table import TableWriter
+from humanoid_bt.link.table import TableReader, TableWriter
+from humanoid_bt.record.flight import Flight, _Follower
 from humanoid_bt.record.reading import read_cycles, read_flight
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.session import Session
@@ -84,6 +85,21 @@ def test_what_was_taken_too_late_is_told(record: Maker, file: Path, tmp_path: Pa
         recorder.follow(*paths)
     assert recorder.trouble == "servo cycles are missing in the recording before 1.00 s: they were taken too late"
     assert read_cycles(file).columns["servo"][0, 0] == 1002
+
+
+def test_what_was_taken_too_late_once_more_is_told_once_more(tmp_path: Path) -> None:
+    paths = tmp_path / "plans", tmp_path / "cycles"
+    LAYOUT.create(*paths)
+    plans, cycles = (TableReader.open(path) for path in paths)
+    follower, writer = _Follower(Flight(JOINTS, {}), plans, cycles), TableWriter.open(paths[1])
+    found = []
+    for count in (5000, 20, 5000, 20_000):
+        for _ in range(count):
+            writer.publish()
+        follower._take()
+        found.append(follower.trouble)
+    told = "servo cycles are missing in the recording before {} s: they were taken too late".format
+    assert found == [told("1.00"), told("1.00"), told("1.00"), told("26.02")]
 
 
 def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
