@@ -207,10 +207,10 @@ class Recorder:
             self._last_frame = state.time
             self._scene.add(state, objects, hidden)
             self._camera.add(state, objects, hidden)
-            self._eye.add(state, seen, objects, self._routes.latest)
             self._overlays.add(state, seen)
             self._routes.add(state, seen)
             self._stop_sign.add(state)
+            self._eye.add(state, seen, objects, self._routes.latest)  # last: it computes, and may fail
 
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :class:`~humanoid_bt.control.cycle_log.CycleLog` keeps them.
