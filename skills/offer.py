@@ -27,9 +27,9 @@ class Offer(Skill):
     """Stand and hold a palm out toward the target, balanced, and keep it there for a time.
 
     The palm stays clear of the target, seen from above, and draws back from one that comes nearer, as quickly as the
-    hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, is gone or too near,
-    or if the palm does not get there: it does not walk or turn. Fails, too, if the palm was there and does not stay
-    long enough, within five times the hold and the patience.
+    hand moves. Waits for a steady base before it moves a hand, half a minute at most. Fails if the target was never
+    seen, is gone or too near, or if the palm does not get there: it does not walk or turn. Fails, too, if the palm was
+    there and does not stay long enough, within five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -76,7 +76,7 @@ class Offer(Skill):
             self.robot.look_at(track.position_world)
         if self._hand is None:
             if not state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             self._hand = self._choose(track.bearing)
             if self._hand not in state.hands:
                 return self.fail(f"the robot has no {self._hand} hand")

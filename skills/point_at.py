@@ -30,10 +30,10 @@ _THERE = 0.05  # m from its place at which the palm counts as there: only where 
 class PointAt(Skill):
     """Stretch an arm toward the target, its fingers along the line from the shoulder, and keep it so for a moment.
 
-    Waits for a steady base before it moves a hand, follows a target that moves, and stays clear of the side of a solid
-    one. Fails if the target was never seen, is gone or too near, or if the hand does not come to point at it: it does
-    not turn or walk. Then it says what keeps it. Fails, too, if it has pointed at it and does not do so for
-    long enough, within five times the hold and the patience.
+    Waits for a steady base before it moves a hand, half a minute at most, follows a target that moves, and stays clear
+    of the side of a solid one. Fails if the target was never seen, is gone or too near, or if the hand does not come to
+    point at it: it does not turn or walk. Then it says what keeps it. Fails, too, if it has pointed at it and does not
+    do so for long enough, within five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -73,7 +73,7 @@ class PointAt(Skill):
             self.robot.look_at(track.position_world)
         if self._hand is None:
             if not self.robot.state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             hand = self._choose(track.bearing)
             if hand not in self.robot.state.hands:
                 return self.fail(f"the robot has no {hand} hand")

@@ -27,12 +27,12 @@ _AHEAD = math.radians(20)  # bearing of what the other hand may get to, too
 class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment.
 
-    With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
-    before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Where the nearest
-    hand comes no nearer to what is ahead, the other one tries. Fails if the target was never seen or is gone, or if the
-    palm comes no nearer: it does not walk. Then it says which own link or which thing is in the way, if one is, or what
-    touched the arm. Fails, too, if the palm was there and does not stay long enough, within five times the hold and the
-    patience.
+    With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base,
+    half a minute at most, before it moves a hand, which goes over what is solid and was seen, such as the table below a
+    cup. Where the nearest hand comes no nearer to what is ahead, the other one tries. Fails if the target was never
+    seen or is gone, or if the palm comes no nearer: it does not walk. Then it says which own link or which thing is in
+    the way, if one is, or what touched the arm. Fails, too, if the palm was there and does not stay long enough, within
+    five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -86,7 +86,7 @@ class Reach(Skill):
             self.robot.look_at(track.position_world)
         if self._hand is None:
             if not self.robot.state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             self._hand = self._choose(track.bearing)
             if self._hand not in self.robot.state.hands:
                 return self.fail(f"the robot has no {self._hand} hand")

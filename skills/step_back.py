@@ -43,7 +43,7 @@ class StepBack(Skill):
         if there and state.base_settled:
             return self.succeed(f"{made:z.2f} m back")
         if there and state.gait is Gait.STAND:
-            return self.running("coming to rest")
+            return self.await_rest("coming to rest")
         if hit := self._route.hits(goal):
             return self.fail(f"no room to step back {self.distance:.2f} m: {hit} would be stepped into")
         lead = max(gait.near - gait.step_back, gait.step_back)

@@ -26,9 +26,10 @@ _WAYS = {
 class Touch(Skill):
     """Stand, move a palm along a direction until it touches something, and press there with a force for a time.
 
-    The palm begins in front of the robot, on the side of the hand. Waits for a steady base before it moves it. The body
-    leans against what the palm presses on. Fails if the palm does not get there, if nothing is there to touch, if the
-    arm has to yield, if what it touches gives way, or if it pushes the robot off its feet: it does not walk.
+    The palm begins in front of the robot, on the side of the hand. Waits for a steady base before it moves it, half a
+    minute at most. The body leans against what the palm presses on. Fails if the palm does not get there, if nothing is
+    there to touch, if the arm has to yield, if what it touches gives way, or if it pushes the robot off its feet: it
+    does not walk.
     """
 
     resources = ("left_hand", "right_hand")
@@ -75,7 +76,7 @@ class Touch(Skill):
             return self.fail(why)
         if self._begin is None:
             if not state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             self._plan()
         now, palm = self.robot.clock.now(), state.hands[hand]
         return self._go_on(palm, now) if self._there else self._go_there(palm, now)

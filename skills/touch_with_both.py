@@ -30,9 +30,9 @@ class TouchWithBoth(Skill):
     """Stand and bring both palms to the left and the right side of the target, facing each other.
 
     The hands pass beside the target and then close in, the right one led by the left one. Waits for a steady base
-    before it moves them. Fails if the target was never seen or is gone, or if a hand does not get there: it does not
-    walk. Then it says what keeps it. Fails, too, if the hands were there and do not stay long enough, within five
-    times the hold and the patience.
+    before it moves them, half a minute at most. Fails if the target was never seen or is gone, or if a hand does not
+    get there: it does not walk. Then it says what keeps it. Fails, too, if the hands were there and do not stay long
+    enough, within five times the hold and the patience.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -80,7 +80,7 @@ class TouchWithBoth(Skill):
                 return self.fail(f"the robot has no {side} hand")
         self._steady = self._steady or state.base_settled
         if not self._steady:
-            return self.running("waiting for a steady base")
+            return self.await_rest("waiting for a steady base")
         return self._bring(self._place.update(track.position_world, track.stamp))
 
     def _bring(self, middle: np.ndarray) -> Status:

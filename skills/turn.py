@@ -43,7 +43,7 @@ class Turn(Skill):
             return self.succeed(f"turned {math.degrees(self.turned):z.0f} deg")
         turns = self._left.update(abs(self._to_go), self.robot.clock.now())
         if there and (state.gait is Gait.STAND or not turns):  # it may step about its spot: it is let go there
-            return self.running("coming to rest")
+            return self.await_rest("coming to rest")
         if near := self._route.beside():
             return self.fail(f"no room to turn: {near} would be knocked against")
         self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))

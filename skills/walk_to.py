@@ -68,7 +68,7 @@ class WalkTo(Skill):
         if there and state.base_settled:
             return self.succeed(f"{to_go * 100:.0f} cm from ({self.x:g}, {self.y:g})")
         if there and state.gait is Gait.STAND:
-            return self.running("coming to rest")
+            return self.await_rest("coming to rest")
         if not self._route.follow(self._goal, self._heading):
             self._restart()
             if self._route.hopeless:

@@ -14,8 +14,8 @@ _AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is bes
 class Wave(Skill):
     """Raise a hand beside the head and wave it from side to side, balanced.
 
-    Waits for a steady base before it moves the hand. A wave counts once the palm has been on both sides. Fails if the
-    palm does not get there.
+    Waits for a steady base before it moves the hand, half a minute at most. A wave counts once the palm has been on
+    both sides. Fails if the palm does not get there.
     """
 
     resources = ("left_hand", "right_hand")
@@ -46,7 +46,7 @@ class Wave(Skill):
         state = self.robot.state
         if self._hand is None:
             if not state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             self._hand = self._choose()
             if self._hand not in state.hands:
                 return self.fail(f"the robot has no {self._hand} hand")

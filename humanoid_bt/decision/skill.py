@@ -18,6 +18,7 @@ Its name in trees is the class name in snake_case.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
@@ -32,6 +33,8 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_gaze", "of_hand"]
+
+_REST_TIME = 30.0  # s in which a base that can come to rest does so, also after a walk or a push
 
 
 def node_type_name(cls: type) -> str:
@@ -90,6 +93,7 @@ class Skill(py_trees.behaviour.Behaviour):
         self.path = self.name
         self.halt_reason = ""
         self._results: dict[str, ResultValue] = {}
+        self._rests_by = math.inf  # s on the tree's clock, while that is awaited
         if declared_results(type(self)):
             self.initialise = functools.partial(_start_anew, self, self.initialise)  # type: ignore[method-assign]  # the skill's own, with this before it
 
@@ -119,12 +123,27 @@ class Skill(py_trees.behaviour.Behaviour):
         try:
             super().stop(new_status)
         finally:
+            self._rests_by = math.inf
             self.robot.release()
 
     def running(self, feedback: object) -> Status:
         """Return RUNNING with a word on what is happening; what is no text becomes one."""
+        self._rests_by = math.inf
         self.feedback_message = shortened(feedback)
         return Status.RUNNING
+
+    def await_rest(self, feedback: object) -> Status:
+        """Return RUNNING with a word while the base comes to rest, and FAILURE after half a minute of that in a row.
+
+        It may never do so, as where something pushes it again and again, or another node walks on and on.
+        """
+        now = self.robot.clock.now()
+        rests_by = min(self._rests_by, now + _REST_TIME)
+        if now >= rests_by:
+            return self.fail(f"the base does not come to rest within {_REST_TIME:g} s")
+        status = self.running(feedback)
+        self._rests_by = rests_by
+        return status
 
     def succeed(self, feedback: object) -> Status:
         """Return SUCCESS with a word on what was reached; what is no text becomes one."""

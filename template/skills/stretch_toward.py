@@ -38,7 +38,7 @@ class StretchToward(Skill):
         self.robot.look_at(track.position_world)
         if self._hand is None:
             if not state.base_settled:
-                return self.running("waiting for a steady base")
+                return self.await_rest("waiting for a steady base")
             self._hand = "left" if track.bearing > 0 else "right"
         chest = np.array([*state.stance[:2], _CHEST * state.gaze_position[2]])
         way = track.position_world - chest

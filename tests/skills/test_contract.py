@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 from humanoid_bt import Rig, Stage, UserError
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.decision import skill as skill_module
 
 CASES: dict[str, dict[str, Any]] = {
     "approach": {"target": (0.9, 0.2, 1.0)},
@@ -70,6 +72,25 @@ def test_a_target_that_moves_now_and_then_does_not_keep_it_for_ever(dry: Stage, 
     assert 3.4 < run.time < 4.0
     *_, last = (change.feedback for change in run.changes if change.path.endswith(skill))
     assert "does not keep" in last or "not stay" in last
+
+
+RESTS = {"step_back": {"distance": 0.05}, "touch": {}, "turn": {"angle": 0.05}, "walk_to": {"x": 0.0, "y": 0.0}}
+"""Skill -> parameters with which it is there before it moves, where those of ``CASES`` are others."""
+
+
+@pytest.mark.parametrize(
+    "skill",
+    ["offer", "point_at", "reach", "step_back", "touch", "touch_with_both", "turn", "walk_to", "wave"],
+)
+def test_does_not_wait_for_ever_for_a_base_that_never_rests(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, skill: str
+) -> None:
+    monkeypatch.setattr(Controller, "settled", False)
+    monkeypatch.setattr(skill_module, "_REST_TIME", 0.3)
+    result = rig.run(skill, timeout=1.0, **RESTS.get(skill) or CASES.get(skill, {}))
+    assert result.failed
+    assert result.feedback == "the base does not come to rest within 0.3 s"
+    assert len(result.states) == 16
 
 
 def test_none_is_left_out(rig: Rig) -> None:
