@@ -249,7 +249,8 @@ class LearnedBody:
             costs[arm.joints] = weights.arm
         self.arms.keep(self._posture.joints, self._home, hold)
         view = self._view(targets, hold, bool(hands))
-        self.kinematics.step(lent, hands, palms, posture=self._posture.joints, costs=costs, view=view)
+        posture = self._posture.joints
+        self.kinematics.step(lending.free, lending.kept, hands, palms, posture=posture, costs=costs, view=view)
 
     def _view(self, targets: Mapping[str, Target], hold: bool, hands: bool) -> tuple[float, float] | None:
         """Return where the view is to go, world frame [rad]; None if nothing that is lent turns it for that."""

@@ -28,8 +28,8 @@ class Lending:
     """Groups of joints, each lent or not: ``left_hand``, ``right_hand``, ``gaze``, ``waist`` and ``view``.
 
     A group that is wanted is lent at once. When nobody wants it any more it first goes home, and is given back little
-    by little there; the waist at once. Joints of the robot that the walker does
-    not move are always lent.
+    by little there; the waist at once. Joints of the robot that the walker does not move are always lent: those of
+    arms and neck to whoever wants them, others only to stay in the posture.
 
     Args:
         robot: the robot.
@@ -40,6 +40,8 @@ class Lending:
         groups: name -> joints of the robot, as indices.
         share: how far each joint of the robot is lent, shape (nj,), in [0, 1].
         joints: those that are lent, at least a little.
+        free: those of them that hands and gaze may move.
+        kept: the others, which stay in the posture.
     """
 
     def __init__(self, robot: RobotModel, policy: Policy, dt: float) -> None:
@@ -60,13 +62,16 @@ class Lending:
         aside = rolls(robot.axes)
         self.groups[VIEW] = [joint for joint in self.groups[WAIST] if not aside[joint]]
         self._always = np.array([float(name not in moved) for name in names])
+        self._always_free = np.zeros(len(names))
+        for group in parts:
+            self._always_free[self.groups[group]] = self._always[self.groups[group]]
         self._dt = dt
         self.reset()
 
     def reset(self) -> None:
         """Give everything back."""
         self._shares = dict.fromkeys(self.groups, 0.0)
-        self._take(self._always.copy())
+        self._take(np.zeros(len(self._always)))
 
     def lends(self, group: str) -> bool:
         """Return whether any of a group is lent."""
@@ -82,7 +87,7 @@ class Lending:
         if not (self.busy or any(wanted.values())):
             return []
         fresh: list[int] = []
-        share = self._always.copy()
+        share = np.zeros(len(self._always))
         for group, joints in self.groups.items():
             before = self._shares[group]
             if wanted.get(group) and joints:
@@ -96,8 +101,12 @@ class Lending:
         return fresh
 
     def _take(self, share: Array) -> None:
-        self.share: Array = share
-        self.joints: Indices = np.flatnonzero(share)
+        """Take how far the groups lend each joint, shape (nj,)."""
+        self.share: Array = np.maximum(share, self._always)
+        free = np.maximum(share, self._always_free)
+        self.joints: Indices = np.flatnonzero(self.share)
+        self.free: Indices = np.flatnonzero(free)
+        self.kept: Indices = np.flatnonzero((self.share > 0) & (free == 0))
 
     @property
     def busy(self) -> bool:

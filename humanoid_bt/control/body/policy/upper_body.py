@@ -138,7 +138,8 @@ class UpperBody:
 
     def step(
         self,
-        lent: Indices,
+        free: Indices,
+        kept: Indices,
         hands: Mapping[Side, Array],
         palms: Mapping[Side, HandTarget],
         *,
@@ -149,7 +150,8 @@ class UpperBody:
         """Move the lent joints one control period toward the targets.
 
         Args:
-            lent: them, as indices.
+            free: those that the targets move, as indices.
+            kept: the others, which only follow the posture.
             hands: places of commanded palms, shape (3,), world frame [m].
             palms: goals of those that are more than a place.
             posture: of all joints, shape (nj,) [rad].
@@ -157,8 +159,8 @@ class UpperBody:
             view: yaw and pitch of the view, world frame [rad]; None where it does not matter.
         """
         self._goals = hands
-        dofs = lent + BASE_DOFS
-        self._posture.aim(posture[lent] - self.joints[lent], (self._weight * costs)[lent])
+        dofs = free + BASE_DOFS
+        self._posture.aim(posture[free] - self.joints[free], (self._weight * costs)[free])
         tasks: list[_Columns | _PostureTask] = [self._posture]
         for side, position in hands.items():
             if goal := palms.get(side):
@@ -170,26 +172,28 @@ class UpperBody:
         if view is not None:
             self._gaze.aim(self._data, *view)
             tasks.append(_Columns(self._gaze, dofs))
-        way = self._way(lent, dofs, tasks)
+        way = self._way(free, dofs, tasks) if len(free) else np.zeros(0)
         self.solved = way is not None
-        self.velocity = np.zeros(len(self.joints))
+        moved = np.zeros(len(self.joints))
+        moved[kept] = clamp(posture[kept] - self.joints[kept], -self._farthest[kept], self._farthest[kept])
         if way is not None:
-            self.velocity[lent] = way / self._dt
-            self.joints[lent] += way
+            moved[free] = way
+        self.velocity = moved / self._dt
+        self.joints += moved
 
-    def _way(self, lent: Indices, dofs: Indices, tasks: Iterable[_Columns | _PostureTask]) -> Array | None:
-        """Return how far the lent joints go, shape (len(lent),); None if there is no solution."""
-        program = self._programs.get(len(lent))
+    def _way(self, free: Indices, dofs: Indices, tasks: Iterable[_Columns | _PostureTask]) -> Array | None:
+        """Return how far the free joints go, shape (len(free),); None if there is no solution."""
+        program = self._programs.get(len(free))
         if program is None:
-            program = self._programs[len(lent)] = QuadraticProgram(len(lent), self._damping)
-        farthest, joints = self._farthest[lent], self.joints[lent]
+            program = self._programs[len(free)] = QuadraticProgram(len(free), self._damping)
+        farthest, joints = self._farthest[free], self.joints[free]
         limit = _OwnLinkColumns(self._own_links, dofs)
         program.aim(self._configuration, list(tasks))
         program.limit(self._configuration, [limit], self._dt)
-        np.maximum(np.minimum(self._lower[lent] - joints, 0.0), -farthest, out=program.low)
-        np.minimum(np.maximum(self._upper[lent] - joints, 0.0), farthest, out=program.high)
+        np.maximum(np.minimum(self._lower[free] - joints, 0.0), -farthest, out=program.low)
+        np.minimum(np.maximum(self._upper[free] - joints, 0.0), farthest, out=program.high)
         if self.still:
-            still = np.isin(lent, self.still)
+            still = np.isin(free, self.still)
             program.low[still] = program.high[still] = 0.0
         way = program.solve()
         if way is None and (program.rooms < 0).any():

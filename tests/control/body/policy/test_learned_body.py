@@ -130,6 +130,21 @@ def test_a_waist_that_is_wanted_again_while_it_is_given_back_stays_where_it_is(
     assert rig.controller.servo.position[waist] == pytest.approx(on_its_way, abs=0.005)
 
 
+def test_a_waist_that_is_neither_the_walkers_nor_lent_stays_at_home(
+    tmp_path: Path, robot: RobotModel, standing: Array
+) -> None:
+    names, home = robot.joint_names, standing[BASE_COORDINATES:]
+    legs = [i for i, name in enumerate(names) if any(part in name for part in ("hip", "knee", "ankle"))]
+    path = write_standing_robot(tmp_path, tuple(names[i] for i in legs), home[legs])
+    rig = ControlRig(*load_robot(path))
+    waist = [i for i, name in enumerate(names) if name.startswith("waist")]
+    rig.run(1.0, {"left_hand": HandTarget(np.array([0.6, 0.4, 0.9]))})
+    assert rig.state.hands["left"][0] > 0.3
+    command = rig.controller.servo.command
+    assert command.position[waist] == pytest.approx(rig.robot.home_qpos[BASE_COORDINATES:][waist], abs=1e-6)
+    assert np.abs(command.torque[waist]).max() > 0.5
+
+
 def test_an_arm_that_is_not_lent_is_stiff_again_after_a_push(
     tmp_path: Path, robot: RobotModel, standing: Array
 ) -> None:
