@@ -107,6 +107,8 @@ class RobotModel:
         self.axes = self._axes_at_home()
         if problems := list(self._hands_without_arms()):
             raise UserError(problems)
+        if self.policy and (problems := list(self._lent_in_vain(self.policy))):
+            raise UserError(problems)
         self.palm_axes: dict[Side, Array] = {side: palm_axes(config, side) for side in SIDES if side in config.hands}
         self.mass = float(model.body_subtreemass[model.body(config.base).id])
 
@@ -140,6 +142,24 @@ class RobotModel:
                 message = f"no joint moves the {side} hand, on {hands[side].body!r}, against the torso, {torso!r}"
                 hint = "a hand is on the last link of an arm; a robot without arms has no key 'hands'"
                 yield Problem(message, self.config.place("hands", side, "body"), hint, code="wrong-torso")
+
+    def _lent_in_vain(self, policy: Policy) -> Iterator[Problem]:
+        """Yield what a learned walker is to lend that hands and gaze could do nothing with, or that it stands on."""
+        model, config, names, lend = self.model, self.config, self.joint_names, policy.config.lend
+        trunk = carriers(model, model.body(config.torso).id)
+        waist = [name for name in names if int(model.joint(name).bodyid[0]) in trunk]
+        arms = [names[joint] for side in SIDES for joint in self.arm_joints(side)]
+        neck = [config.neck.yaw, config.neck.pitch] if config.neck else []
+        for number, pattern in enumerate(lend.waist):
+            if others := [name for name in matching(names, pattern) if name not in waist]:
+                message = f"{others[0]!r} is no joint of the waist: it does not carry the torso, {config.torso!r}"
+                hint = f"those that do: {', '.join(waist)}" if waist else "none does: leave 'waist' out"
+                yield Problem(message, policy.place("lend", "waist", number), hint, code="policy")
+        for number, pattern in enumerate(lend.joints or ()):
+            if not matching([*arms, *neck], pattern):
+                message = f"no joint of the arms and the neck of robot.yaml matches {pattern!r}"
+                hint = f"waist: [{pattern!r}]" if matching(waist, pattern) else nearest(pattern, [*arms, *neck])
+                yield Problem(message, policy.place("lend", "joints", number), hint, code="policy")
 
     @property
     def leg_joints(self) -> list[int]:

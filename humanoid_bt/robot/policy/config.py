@@ -125,7 +125,8 @@ class LendConfig:
     )
     waist: list[str] = param(
         [],
-        doc="Further ones, bent slowly: for a hand while it stands, and for the gaze of a robot without a neck. "
+        doc="Further ones, of those that carry the torso, bent slowly: for a hand while it stands, and for the gaze of "
+        "a robot without a neck. "
         "Of these the policy is told the truth.",
     )
     observe: Literal["default", "measured"] = param("default", doc="Their angles: the default pose, or what they are.")

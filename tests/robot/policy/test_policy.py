@@ -11,9 +11,11 @@ import pytest
 
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.policy.policy import load_policy
 from tests.onnx_models import INT64, write_affine
-from tests.policy_files import DESCRIPTION, JOINTS, METADATA, write_walker
+from tests.policy_files import DESCRIPTION, JOINTS, METADATA, write_standing_robot, write_walker
 
 pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
 
@@ -280,3 +282,37 @@ def test_an_answer_of_whole_numbers_is_refused(tmp_path: Path) -> None:
     write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), METADATA, answer=INT64)
     [message] = refused(path)
     assert "walk.policy.yaml:2:8: error: the model's output 'action' is a tensor(int64)" in message
+
+
+@pytest.mark.parametrize(
+    ("lend", "message", "hint"),
+    [
+        (
+            "{waist: [waist_yaw, '*_knee']}",
+            "'left_knee' is no joint of the waist: it does not carry the torso, 'torso'",
+            "those that do: waist_yaw, waist_roll, waist_pitch",
+        ),
+        (
+            "{joints: ['*_elbow', '*_knee']}",
+            "no joint of the arms and the neck of robot.yaml matches '*_knee'",
+            "the nearest of 16: ",
+        ),
+        (
+            "{joints: ['waist_*']}",
+            "no joint of the arms and the neck of robot.yaml matches 'waist_*'",
+            "waist: ['waist_*']",
+        ),
+    ],
+)
+def test_lends_nothing_that_hands_and_gaze_do_not_move(tmp_path: Path, lend: str, message: str, hint: str) -> None:
+    joints = ("waist_yaw", "waist_pitch", "left_knee", "right_knee", "left_elbow")
+    path = write_standing_robot(tmp_path, joints, np.zeros(len(joints)))
+    with (tmp_path / "stand.policy.yaml").open("a") as description:
+        description.write(f"lend: {lend}\n")
+    with pytest.raises(UserError) as caught:
+        RobotModel(load_robot_config(path))
+    (problem,) = caught.value.problems
+    assert problem.message == message
+    assert problem.hint.startswith(hint)
+    assert problem.place is not None
+    assert problem.place.file.endswith("stand.policy.yaml")
