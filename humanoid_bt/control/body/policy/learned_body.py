@@ -211,8 +211,9 @@ class LearnedBody:
 
     def _tell_what_was_done(self) -> None:
         if self._policy.config.lend.last_action == "executed" and self.lending.busy:
-            executed = np.flatnonzero(self.lending.share[self._moved] > 0)
-            self.walker.executed(executed, self.kinematics.joints[self._moved[executed]])
+            share = self.lending.share
+            executed = np.flatnonzero(share[self._moved] > 0)
+            self.walker.executed(executed, self._together(share)[self._moved[executed]])
 
     def _lend(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool, walks: bool) -> None:
         lending, arms = self.lending, self.arms

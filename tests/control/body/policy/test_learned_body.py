@@ -130,6 +130,31 @@ def test_a_waist_that_is_wanted_again_while_it_is_given_back_stays_where_it_is(
     assert rig.controller.servo.position[waist] == pytest.approx(on_its_way, abs=0.005)
 
 
+def test_the_policy_is_told_what_was_done_of_a_waist_that_is_given_back(
+    tmp_path: Path, robot: RobotModel, standing: Array, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = standing[BASE_COORDINATES:]
+    path = write_standing_robot(tmp_path, robot.joint_names, home)
+    description = tmp_path / "stand.policy.yaml"
+    text = description.read_text().replace("joint_pos_rel", "last_action")
+    description.write_text(text + "lend: {waist: ['waist_*'], last_action: executed}\n")
+    told: list[Tensor] = []
+    run = Network.run
+
+    def note(network: Network, outputs: list[str], inputs: dict[str, Tensor]) -> list[Tensor]:
+        told.append(inputs["obs"][0, 6:])
+        return run(network, outputs, inputs)
+
+    monkeypatch.setattr(Network, "run", note)
+    rig = ControlRig(*load_robot(path))
+    waist = body_of(rig).lending.groups[WAIST]
+    for seconds, targets in ((1.5, {"right_hand": HandTarget(np.array([0.55, -0.1, 0.6]))}), (0.3, {})):
+        rig.run(seconds, targets)
+        done = rig.controller.servo.position[waist] - home[waist]
+        assert told[-1][waist] == pytest.approx(done, abs=0.03)
+    assert np.abs(done).max() > 0.02
+
+
 def test_a_waist_that_is_neither_the_walkers_nor_lent_stays_at_home(
     tmp_path: Path, robot: RobotModel, standing: Array
 ) -> None:
