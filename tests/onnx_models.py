@@ -23,6 +23,7 @@ def write_affine(
     metadata: Mapping[str, Any] | None = None,
     *,
     state: int = 0,
+    flat: bool = False,
     batch: int | str = 1,
     numbers: str = "",
     answer: int = FLOAT,
@@ -35,6 +36,7 @@ def write_affine(
         offset: shape (actions,).
         metadata: key -> text, or what becomes JSON.
         state: so many numbers of a memory: ``h_out`` is ``h_in`` + 1.
+        flat: whether ``h_out`` has no batch, as ``h_in`` has.
         batch: first size of the observation, or its name where it is free.
         numbers: name of the second size of the observation where it is free.
         answer: type of the output.
@@ -48,8 +50,10 @@ def write_affine(
         _value(12, "action", batch, len(offset), kind=answer),
     )
     if state:
-        graph += _node("Add", ["h_in", "one"], ["h_out"]) + _tensor("one", np.ones(1, np.float32))
-        inputs, outputs = inputs + _value(11, "h_in", 1, state), outputs + _value(12, "h_out", 1, state)
+        graph += _node("Add", ["h_in", "one"], ["h"]) + _tensor("one", np.ones(1, np.float32))
+        graph += _node("Squeeze" if flat else "Identity", ["h"], ["h_out"])
+        shape = (state,) if flat else (1, state)
+        inputs, outputs = inputs + _value(11, "h_in", 1, state), outputs + _value(12, "h_out", *shape)
     model = (
         _number(1, 8) + _field(8, _text(1, "") + _number(2, 13)) + _field(7, graph + _text(2, "g") + inputs + outputs)
     )

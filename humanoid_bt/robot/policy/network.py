@@ -71,9 +71,14 @@ class Network:
             raise RuntimeError(_one_line(error)) from error
 
 
+def of_one(shape: tuple[int | None, ...]) -> tuple[int, ...]:
+    """Return the shape of a tensor, of a batch of one."""
+    return tuple(1 if length is None else length for length in shape)
+
+
 def size(shape: tuple[int | None, ...]) -> int:
     """Return how many numbers a tensor has, of a batch of one."""
-    return math.prod(1 if length is None else length for length in shape)
+    return math.prod(of_one(shape))
 
 
 def is_free(shape: tuple[int | None, ...]) -> bool:

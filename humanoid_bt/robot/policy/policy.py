@@ -21,7 +21,7 @@ from humanoid_bt.core.patterns import matches, matching
 from humanoid_bt.core.units import readable
 from humanoid_bt.robot.policy.commands import RANGE_KEYS, command_problems, command_range
 from humanoid_bt.robot.policy.config import PolicyConfig, TermConfig, load_policy_config
-from humanoid_bt.robot.policy.network import FLOAT, FLOATS, Network, is_free, size
+from humanoid_bt.robot.policy.network import FLOAT, FLOATS, Network, is_free, of_one, size
 from humanoid_bt.robot.policy.options import PHASES, option_problems
 from humanoid_bt.robot.policy.per_joint import Angles, FromModel, Joints, PerJoint, from_model
 
@@ -272,8 +272,9 @@ class Policy:
                 taken = [getattr(other, end) for other in config.state[:number]]
                 self._named(name, [one for one in known if one not in taken], known, end, "state", number, end)
             ends = network.inputs.get(state.input), network.outputs.get(state.output)
-            if None not in ends and size(ends[0] or ()) != size(ends[1] or ()):
-                self._wrong(f"the state's input has the shape {ends[0]}, its output {ends[1]}", "state", number)
+            if None not in ends and of_one(ends[0] or ()) != of_one(ends[1] or ()):
+                message = f"the state's input has the shape {ends[0]}, its output {ends[1]}"
+                self._wrong(message, "state", number, hint="export the model with one shape for both")
         free = [name for name in network.inputs if name not in self.states]
         given = self._only(config.observation.input, free, network.inputs, "input", "observation")
         answers = [name for name in network.outputs if name not in self.states.values()]

@@ -150,6 +150,12 @@ def test_a_memory_must_be_named(tmp_path: Path) -> None:
     assert (policy.input, policy.states) == ("obs", {"h_in": "h_out"})
 
 
+def test_a_memory_comes_back_as_it_goes_in(tmp_path: Path) -> None:
+    text = DESCRIPTION + "state: [{input: h_in, output: h_out}]\n"
+    (message,) = refused(write_walker(tmp_path, text, state=4, flat=True))
+    assert "the state's input has the shape (1, 4), its output (4,)" in message
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "told"),
     [

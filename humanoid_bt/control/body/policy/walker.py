@@ -9,7 +9,7 @@ from humanoid_bt.control.body.policy.observation import Observation
 from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, Estimate
-from humanoid_bt.robot.policy.network import Tensor, size
+from humanoid_bt.robot.policy.network import Tensor, of_one, size
 from humanoid_bt.robot.policy.policy import Indices, Policy
 
 # Answers in a row after which a policy has failed. It survives a longer silence than either, even as it walks; but the
@@ -48,8 +48,7 @@ class LearnedWalker:
         policy = self._policy
         self._observation.reset()
         self._states: dict[str, Tensor] = {
-            name: np.zeros([1 if length is None else length for length in policy.network.inputs[name]], np.float32)
-            for name in policy.states
+            name: np.zeros(of_one(policy.network.inputs[name]), np.float32) for name in policy.states
         }
         self.targets: Array = policy.default_pose[policy.moves]
         self.fault = self.failure = ""
@@ -75,7 +74,7 @@ class LearnedWalker:
         if self._inference.busy:
             self._miss("the policy does not answer in time", _LATE)
             return
-        shape = [1 if length is None else length for length in policy.network.inputs[policy.input]]
+        shape = of_one(policy.network.inputs[policy.input])
         self._inference.ask({policy.input: row.reshape(shape), **self._states})
 
     def take(self) -> bool:
