@@ -263,6 +263,15 @@ def test_a_link_that_keeps_the_head_from_looking_down_is_named(robot: Path) -> N
     assert problem.message.endswith("'head' is kept 5 mm from 'torso'")
 
 
+def test_sensors_that_err_by_more_than_a_light_drive_gives_make_it_neither_soft_nor_weak(robot: Path) -> None:
+    file = robot / "robot.yaml"
+    file.write_text(f"{file.read_text()}\nsensors: {{encoders: {{noise: 0.01, torque_noise: 100}}}}\n")
+    trial = Trial(RobotModel(load_robot_config(file)))
+    trial.run(0.1)
+    assert not trial.seen.saturated.any()
+    assert trial.seen.held.max() < 60
+
+
 def test_a_stop_while_the_hands_reach_is_told_with_its_reason(robot: Path) -> None:
     trial = Trial(RobotModel(load_robot_config(robot / "robot.yaml")))
     trial.run(0.5)
