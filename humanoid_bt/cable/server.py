@@ -192,6 +192,8 @@ class PlantServer:
             if not fault.startswith("out of order"):  # which cables do
                 self._complain("order", f"a command is refused: {fault}")
             return
+        if driver.heard and self.state is not PlantState.FOLLOWS:
+            self._note("warning", "commands come again: the plant follows")
         driver.heard = frame.sequence
         self._watchdog.follow(command)
 
@@ -211,15 +213,13 @@ class PlantServer:
         state, watchdog, driver = self.state, self._watchdog, self._driver
         if driver is None:
             return
-        if state is not before and state is not PlantState.WAITS and before is not PlantState.WAITS:
-            if state is PlantState.FOLLOWS:
-                self._note("warning", "commands come again: the plant follows")
-            else:
-                self._note("error", f"no command for {watchdog.silent - 1} ms: the plant {_DOES[state]}")
         if not driver.heard:
             if self.cycle - driver.since > cycles(_START_TIMEOUT):
                 self._let_go(f"sent no command within {_START_TIMEOUT:g} s")
-        elif watchdog.lost:
+            return
+        if before is PlantState.FOLLOWS is not state:
+            self._note("error", f"no command for {watchdog.silent - 1} ms: the plant {_DOES[state]}")
+        if watchdog.lost:
             self._let_go(f"was silent for {watchdog.silent - 1} ms")
 
     def _let_go(self, why: str) -> None:

@@ -306,6 +306,7 @@ def test_what_a_real_robot_did_before_is_no_fault_of_a_new_driver(loaded: Loaded
         second.measure()
     assert (cabled.server.state, second.fault) == (PlantState.FOLLOWS, "")
     assert second.take_truth() is None
+    assert not second.take_news()
 
 
 def test_a_plant_that_takes_any_driver_is_refused_by_one_that_it_does_not_fit(loaded: Loaded, hello: Hello) -> None:
