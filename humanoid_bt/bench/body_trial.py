@@ -86,7 +86,7 @@ class _Body:
         ahead = np.sum([sole.xmat.reshape(3, 3)[:, 0] for sole in soles], axis=0)
         stance = np.array([*middle[:2], math.atan2(ahead[1], ahead[0])])
         up = rotation_matrix(plant.data.qpos[3:7])[2, 2]
-        return cls(stance, math.acos(min(1.0, float(up))), float(plant.data.qpos[2] - middle[2]))
+        return cls(stance, math.acos(max(-1.0, min(1.0, float(up)))), float(plant.data.qpos[2] - middle[2]))
 
 
 def _with_odometry(result: Result, run: TreeRun) -> Result:

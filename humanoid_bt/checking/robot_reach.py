@@ -55,7 +55,7 @@ def reached(trial: Trial) -> Iterator[Problem]:
         if (off := state.hand_errors.get(side, math.inf)) > _OFF:  # without one an arm yields
             yield _not_reached(trial, side, off)
     way = middle - state.gaze_position
-    off = math.acos(min(1.0, float(way @ state.gaze_direction) / float(np.linalg.norm(way))))
+    off = math.acos(max(-1.0, min(1.0, float(way @ state.gaze_direction) / float(np.linalg.norm(way)))))
     if sees and off > _HELD:
         yield from _not_looked(trial, off)
 
