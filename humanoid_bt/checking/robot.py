@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import mujoco
@@ -105,9 +105,11 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
 def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
     """Yield joints that do not do what their role in a leg is."""
     config, model = robot.config, robot.model
-    for side in SIDES:
+    chains = {side: _joints_above(model, config.legs[side].sole.body) for side in SIDES}
+    shared = set[str].intersection(*map(set, chains.values()))
+    for side, chain in chains.items():
         leg = config.legs[side]
-        chain = _joints_above(model, leg.sole.body)
+        pitches = [j for j in chain if j not in shared and abs(robot.axes[robot.joint(j), 1]) >= _ALONG]
         for role, axis in _AXES.items():
             joint, place = getattr(leg, role), config.place("legs", side, role)
             if joint is None:
@@ -116,6 +118,7 @@ def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
             turns = robot.axes[robot.joint(joint)]
             hip = role.startswith("hip")
             others = [getattr(leg, other) for other in _AXES if other.startswith("hip") != hip]
+            knees = pitches[1:] if hip else pitches[:-1]  # and what else is no first or last one
             if joint not in chain:
                 hint = f"the joints of this leg: {', '.join(chain)}"
                 yield Problem(f"{joint!r} does not move the {side} sole", place, hint, code="joint-role")
@@ -124,7 +127,9 @@ def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
                 hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
                 message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
                 yield Problem(message, place, hint, code="joint-role")
-            elif any(other in chain and (chain.index(joint) < chain.index(other)) != hip for other in others):
+            elif joint in knees or any(
+                other in chain and (chain.index(joint) < chain.index(other)) != hip for other in others
+            ):
                 part = "hip" if hip else "ankle"
                 hint = f"from the {config.base} down: {', '.join(chain)}"
                 yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
@@ -165,8 +170,9 @@ def _wrong_neck(robot: RobotModel) -> Iterator[Problem]:
 
 
 def _soles_off(robot: RobotModel) -> Iterator[Problem]:
-    """Yield soles that are not where the feet touch the floor."""
+    """Yield soles that are not where the feet touch the floor, or larger than what of a foot touches it."""
     config = robot.config
+    halves: list[Array] = []
     for side in SIDES:
         sole = config.legs[side].sole
         place = config.place("legs", side, "sole", "position")
@@ -187,11 +193,12 @@ def _soles_off(robot: RobotModel) -> Iterator[Problem]:
         elif aside > _SOLE_ASIDE:
             message = f"the {side} sole is {aside * 100:.1f} cm beside the middle of the foot"
             yield Problem(message, place, hint, code="sole-off")
-        for key, most in zip(("half_length", "half_width"), foot.half, strict=True):
-            half = getattr(config.sole, key)
-            if half > _SOLE_LARGER * most + _SOLE_OVER and side == SIDES[0]:
-                message = f"the sole is larger than the foot: {key} {half:g} m"
-                yield Problem(message, config.place("sole", key), f"of the foot: {most:.3f} m", code="sole-size")
+        halves.append(foot.half)
+    for key, *of_feet in zip(("half_length", "half_width"), *halves, strict=True):
+        half, most = getattr(config.sole, key), min(of_feet, default=math.inf)
+        if half > _SOLE_LARGER * most + _SOLE_OVER:
+            message = f"the sole is larger than the foot: {key} {half:g} m"
+            yield Problem(message, config.place("sole", key), f"of the foot: {most:.3f} m", code="sole-size")
 
 
 def _home_outside(robot: RobotModel) -> Iterator[Problem]:
@@ -261,7 +268,10 @@ def _asymmetries(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
         left, right = (base.xmat.reshape(3, 3).T @ (data.site(site(side)).xpos - base.xpos) for side in SIDES)
         what = "soles" if keys == ("legs",) else "palms"
         off = float(np.linalg.norm(left - right * [1, -1, 1]))
-        if left[1] < right[1]:
+        if _on_one_limb(robot, site):
+            message = f"the {what} of both sides are on the same limb"
+            yield Problem(message, config.place(*keys, "left", "sole"), "a body of each side", code="swapped-sides")
+        elif left[1] < right[1]:
             message = f"the left of the {what} is on the right: left and right are swapped"
             yield Problem(message, config.place(*keys, "left", "sole"), "y points to the left", code="swapped-sides")
         elif off > _MIRRORED:
@@ -269,6 +279,12 @@ def _asymmetries(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
             place = config.place("home") if what == "palms" else config.place("legs")
             hint = "look at the signs of roll and yaw angles in home, and at the sites' positions"
             yield Problem(message, place, hint, code="asymmetric", severity="warning")
+
+
+def _on_one_limb(robot: RobotModel, site: Callable[[str], str]) -> bool:
+    """Return whether one of both sites is on a body that carries that of the other, or on the same."""
+    left, right = (int(robot.model.site(site(side)).bodyid[0]) for side in SIDES)
+    return left in carriers(robot.model, right) or right in carriers(robot.model, left)
 
 
 def _without_limits(robot: RobotModel) -> Iterator[Problem]:

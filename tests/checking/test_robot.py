@@ -37,6 +37,7 @@ SHELF = """\
 collision:
   capsules:
     - {body: torso, start: [0.44, -0.3, -0.02], end: [0.44, 0.3, -0.02], radius: 0.17}"""
+RIGHT_FOOT = '<geom name="right_foot" class="sole" size="0.105 0.045 0.015"'
 NECK_PITCH = '<joint name="neck_pitch" axis="0 1 0" range="-0.6 0.8"/>'
 
 
@@ -66,6 +67,9 @@ BREAKS = {
         LEFT_SOLE, LEFT_SOLE.replace("0.03,", "0.09,"), "sole-off", "around position: [0.030, 0.000, -0.060]"
     ),
     "sole too long": Break("half_length: 0.105", "half_length: 0.21", "sole-size", "of the foot: 0.105 m"),
+    "one foot shorter": Break(
+        RIGHT_FOOT, RIGHT_FOOT.replace("0.105", "0.08"), "sole-size", "of the foot: 0.080 m", "half_length: 0.105"
+    ),
     "pitch for roll": Break(
         "ankle_roll: left_ankle_roll",
         "ankle_roll: left_ankle_pitch",
@@ -74,6 +78,12 @@ BREAKS = {
     ),
     "ankle for hip": Break(
         "hip_roll: left_hip_roll", "hip_roll: left_ankle_roll", "joint-role", "'left_ankle_roll' is no hip joint"
+    ),
+    "knee for hip": Break(
+        "hip_pitch: left_hip_pitch", "hip_pitch: left_knee", "joint-role", "'left_knee' is no hip joint"
+    ),
+    "knee for ankle": Break(
+        "ankle_pitch: left_ankle_pitch", "ankle_pitch: left_knee", "joint-role", "'left_knee' is no ankle joint"
     ),
     "the other leg's joint": Break(
         "hip_pitch: left_hip_pitch", "hip_pitch: right_hip_pitch", "joint-role", "does not move the left sole"
@@ -93,6 +103,9 @@ BREAKS = {
         "sole: {body: right_foot",
     ),
     "hands swapped": Break(HANDS, SWAPPED_HANDS, "swapped-sides", "left and right are swapped", "{body: right_hand"),
+    "both hands on one arm": Break(
+        "left: {body: left_hand", "left: {body: right_hand", "swapped-sides", "the palms of both sides are on the same"
+    ),
     "a hand is missing": Break(
         HANDS.splitlines()[0] + "\n", "", "missing-key", "a left arm, and 'hands' has no key", "{body: right_hand"
     ),
