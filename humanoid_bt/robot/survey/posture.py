@@ -81,10 +81,10 @@ def _touches(surveyor: Surveyor, limbs: Limbs, angles: Mapping[int, float]) -> b
     model, data = surveyor.model, mujoco.MjData(surveyor.model)
     for joint, angle in angles.items():
         data.qpos[model.jnt_qposadr[joint]] = angle
-    margins = model.geom_margin.copy()
-    model.geom_margin[:] = _CLEAR
+    margins = model.geom_margin.copy(), model.body_margin.copy()  # a body's bounds those of its geoms
+    model.geom_margin[:] = model.body_margin[:] = _CLEAR / 2  # of two they add up
     mujoco.mj_forward(model, data)
-    model.geom_margin[:] = margins
+    model.geom_margin[:], model.body_margin[:] = margins
     firsts = [int(model.jnt_bodyid[arm.joints[0]]) for arm in limbs.arms.values()]
     owners = [
         [next((first for first in firsts if first in carriers(model, int(model.geom_bodyid[g]))), 0) for g in pair]

@@ -198,6 +198,22 @@ def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.M
         assert abs(sole[0] - data.body("pelvis").xpos[0]) < 0.1
 
 
+def test_arms_hang_farther_out_beside_a_wide_trunk_of_several_shapes(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    spec.body("torso").add_geom(
+        name="pack", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 0.13, 0.1], pos=[0, 0, 0.1], contype=1, conaffinity=1
+    )
+    model = spec.compile()
+    _, found = adopt(spec)
+    data = mujoco.MjData(model)
+    data.qpos[:] = RobotModel(found).home_qpos
+    mujoco.mj_forward(model, data)
+    arm = Surveyor(model).limbs().arms["left"].joints[2:]
+    shapes = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] in model.jnt_bodyid[list(arm)]]
+    pack = model.geom("pack").id
+    nearest = min(mujoco.mj_geomDistance(model, data, pack, geom, 1.0, None) for geom in shapes)
+    assert nearest == pytest.approx(0.03, abs=0.005)
+
+
 @pytest.mark.parametrize("ref", [0.5, -1.2])
 def test_joints_count_from_where_the_model_has_their_zero(spec: mujoco.MjSpec, adopt: Adopt, ref: float) -> None:
     straight = adopt(spec)[1]
