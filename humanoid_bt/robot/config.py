@@ -125,7 +125,7 @@ class DriveConfig:
 class GaitConfig:
     """Walking: footsteps, timing, balance. Defaults fit a humanoid of about 1.3 m and 40 kg."""
 
-    single_support: float = param(0.36, above=0, unit="s", doc="Time on one foot.")
+    single_support: float = param(0.36, minimum=0.05, unit="s", doc="Time on one foot.")
     quickest_step: float = param(0.22, above=0, unit="s", doc="Least time on one foot, for a step that catches a push.")
     double_support: float = param(0.06, above=0, unit="s", doc="Time on both feet between steps.")
     first_shift: float = param(0.35, above=0, unit="s", doc="Weight shift before the first step.")

@@ -64,6 +64,13 @@ def test_a_group_may_have_any_name(name: str, tmp_path: Path) -> None:
     assert load_robot_config(file).group("left_knee") == name.strip('"')
 
 
+def test_a_step_shorter_than_control_can_make_one_is_refused(tmp_path: Path) -> None:
+    file = _copied(tmp_path)
+    file.write_text(file.read_text().replace("single_support: 0.28", "single_support: 4 ms"))
+    with pytest.raises(UserError, match="single_support"):
+        load_robot_config(file)
+
+
 def _copied(folder: Path, *without: str) -> Path:
     """Return a copy of the built-in robot's file without some lines, beside a copy of its model."""
     text = FILE.read_text()
