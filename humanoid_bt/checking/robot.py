@@ -110,15 +110,16 @@ def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
     for side, chain in chains.items():
         leg = config.legs[side]
         pitches = [j for j in chain if j not in shared and abs(robot.axes[robot.joint(j), 1]) >= _ALONG]
+        hips, ankles = chain, chain  # hips are above the knee, and ankles below it
+        if len(pitches) > 1:
+            hips, ankles = chain[: chain.index(pitches[1])], chain[chain.index(pitches[-2]) + 1 :]
         for role, axis in _AXES.items():
             joint, place = getattr(leg, role), config.place("legs", side, role)
             if joint is None:
                 yield from _unnamed_roll(robot, side, chain)
                 continue
             turns = robot.axes[robot.joint(joint)]
-            hip = role.startswith("hip")
-            others = [getattr(leg, other) for other in _AXES if other.startswith("hip") != hip]
-            knees = pitches[1:] if hip else pitches[:-1]  # and what else is no first or last one
+            part, those = ("hip", hips) if role.startswith("hip") else ("ankle", ankles)
             if joint not in chain:
                 hint = f"the joints of this leg: {', '.join(chain)}"
                 yield Problem(f"{joint!r} does not move the {side} sole", place, hint, code="joint-role")
@@ -127,10 +128,7 @@ def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
                 hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
                 message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
                 yield Problem(message, place, hint, code="joint-role")
-            elif joint in knees or any(
-                other in chain and (chain.index(joint) < chain.index(other)) != hip for other in others
-            ):
-                part = "hip" if hip else "ankle"
+            elif joint not in those:
                 hint = f"from the {config.base} down: {', '.join(chain)}"
                 yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
 

@@ -313,6 +313,13 @@ def test_joints_may_be_meant_to_have_no_limits(robot: Path) -> None:
     assert found(robot) == []
 
 
+def test_a_hip_that_is_named_as_the_ankle_too_is_a_hip(robot: Path) -> None:
+    file = robot / "robot.yaml"
+    file.write_text(file.read_text().replace("ankle_pitch: left_ankle_pitch", "ankle_pitch: left_hip_pitch"))
+    (problem,) = found(robot)
+    assert problem.message == "'left_hip_pitch' is no ankle joint"
+
+
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:
     file = robot / "robot.yaml"
     for side in ("left", "right"):
