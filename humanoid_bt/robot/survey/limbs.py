@@ -177,19 +177,23 @@ class Surveyor:
         return float(min([*low, self.place(body)[2]]))
 
     def _arms(self, legs: set[int]) -> tuple[int, dict[Side, Limb]]:
-        """Return the first body from the base on that carries an arm, and the arms; without any, the heaviest one."""
+        """Return the first body from the base on that carries arms, and the arms; without any, the heaviest one.
+
+        Both arms may begin in the middle, as with collar bones; one alone that does so is more of the trunk.
+        """
         trunk = self._trunk(legs)
-        for body in trunk:
-            arms: dict[Side, Limb] = {}
-            for side in SIDES:
-                for child in self._children[body]:
-                    limb = self._hand(child)
-                    aside = self.place(limb.body)[1] * _OUTWARD[side] > _ASIDE
-                    if child not in legs and child not in trunk and aside and len(limb.joints) >= _ARM_JOINTS:
-                        arms[side] = limb
-            if arms:
-                return body, arms
+        for least, others in ((len(SIDES), legs), (1, legs | set(trunk))):
+            for body in trunk:
+                arms = self._arms_at(body, others)
+                if len(arms) >= least:
+                    return body, arms
         return max(trunk, key=self._weight), {}
+
+    def _arms_at(self, body: int, others: set[int]) -> dict[Side, Limb]:
+        """Return the arms that begin at a body, which are none of the others."""
+        limbs = [self._hand(child) for child in self._children[body] if child not in others]
+        long = [limb for limb in limbs if len(limb.joints) >= _ARM_JOINTS]
+        return {side: limb for side in SIDES for limb in long if self.place(limb.body)[1] * _OUTWARD[side] > _ASIDE}
 
     def _weight(self, body: int) -> float:
         """Return the mass of a body and of those fixed to it [kg]."""

@@ -227,6 +227,16 @@ def test_joints_count_from_where_the_model_has_their_zero(spec: mujoco.MjSpec, a
     np.testing.assert_allclose(poses(RobotModel(found)), wanted, atol=0.01)
 
 
+def test_arms_may_begin_with_collar_bones_in_the_middle(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side, out in (("left", 1), ("right", -1)):
+        first = spec.body(f"{side}_shoulder_pitch_link")
+        (second,) = first.bodies
+        aside = np.array([0.0, out * 0.01 - first.pos[1], 0.0])
+        first.pos, second.pos = first.pos + aside, second.pos - aside
+    _, found = adopt(spec)
+    assert (found.torso, set(found.hands)) == ("torso", {"left", "right"})
+
+
 def test_a_robot_with_one_arm_has_one_hand(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     spec.delete(spec.body("right_shoulder_pitch_link"))
     description, found = adopt(spec)
