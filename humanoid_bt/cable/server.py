@@ -138,11 +138,13 @@ class PlantServer:
         self._publish()
 
     def close(self) -> None:
-        """Go to the safe state and let go of the cable. Who drives notices the silence."""
+        """Let go of the cable, and give the drives the safe state, which they are left with. Who drives is told."""
         if self._driver is not None:
             self._refuse(self._driver.peer, self._driver.session, "the plant ends")
-        self._watchdog.be_safe()
         self._cable.close()
+        self._watchdog.be_safe()
+        if (command := self._watchdog.command()) is not None:
+            self._plant.step(command)
 
     # ---- in ---------------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from humanoid_bt.cable.payloads import Description, Hello, PlantState, pack_simu
 from humanoid_bt.cable.remote_plant import CableFigures, RemotePlant
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import BaseTarget, Command, HandTarget
+from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, JointCommand
 from humanoid_bt.link.wire import encode_command
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.touches import Touch
@@ -307,6 +307,19 @@ def test_what_a_real_robot_did_before_is_no_fault_of_a_new_driver(loaded: Loaded
     assert (cabled.server.state, second.fault) == (PlantState.FOLLOWS, "")
     assert second.take_truth() is None
     assert not second.take_news()
+
+
+def test_a_plant_that_ends_leaves_its_drives_in_the_safe_state(
+    loaded: Loaded, hello: Hello, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served, given = RealRobot(*loaded, safe="damp"), list[JointCommand]()
+    cabled = LockstepPlant(served, hello)
+    driven(cabled, 50)
+    monkeypatch.setattr(served, "step", given.append)
+    cabled.server.close()
+    cabled.measure()
+    assert cabled.fault == "the plant ends"
+    assert not given[-1].stiffness.any()
 
 
 def test_a_plant_that_takes_any_driver_is_refused_by_one_that_it_does_not_fit(loaded: Loaded, hello: Hello) -> None:
