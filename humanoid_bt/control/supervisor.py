@@ -158,7 +158,6 @@ class Supervisor:
             self.touch.forgive()
             self.mode, self.reason, self.source = Mode.RUN, "", ""
             self.command = None
-            self._heard_cycle = self._cycle
         return ""
 
     def submit(self, command: Command) -> bool:

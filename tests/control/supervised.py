@@ -40,6 +40,12 @@ def lying(pitch: float = 1.5, height: float = HEIGHT) -> Estimate:
     return replace(UPRIGHT, qpos=qpos)
 
 
+def on_its_side(roll: float) -> Estimate:
+    qpos = UPRIGHT.qpos.copy()
+    qpos[3:7] = [math.cos(roll / 2), math.sin(roll / 2), 0, 0]
+    return replace(UPRIGHT, qpos=qpos)
+
+
 class Run:
     """A supervisor and its cycles."""
 

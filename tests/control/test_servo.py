@@ -109,6 +109,14 @@ def test_what_is_not_finite_is_refused_and_the_last_setpoint_held(
     assert servo.follow(good, PERIOD) == ""
 
 
+def test_what_is_soft_is_held_as_softly(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
+    soft = replace(setpoint, stiffness=robot.stiffness * 0.2, damping=robot.damping * 0.5)
+    servo.follow(soft, PERIOD)
+    servo.hold()
+    np.testing.assert_array_equal(servo.command.stiffness, soft.stiffness)
+    np.testing.assert_array_equal(servo.command.damping, soft.damping)
+
+
 @pytest.mark.parametrize("field", ["stiffness", "damping"])
 def test_negative_gains_are_refused(servo: Servo, robot: RobotModel, setpoint: Setpoint, field: str) -> None:
     bad = replace(setpoint, **{field: changed(getattr(robot, field), 3, -1e-3)})

@@ -18,7 +18,7 @@ from humanoid_bt.core.messages import (
     Pointing,
     PostureTarget,
 )
-from tests.control.supervised import HAND, HEIGHT, SOURCES, UPRIGHT, Run, lying
+from tests.control.supervised import HAND, HEIGHT, SOURCES, UPRIGHT, Run, lying, on_its_side
 
 
 @pytest.fixture
@@ -131,8 +131,34 @@ def test_a_silence_is_forgiven_once_and_never_starts_a_stopped_robot(run: Run) -
     run.go()
     assert run.mode is Mode.PROTECTIVE_STOP
     run.send()
-    run.go()
+    run.go(90)
+    run.supervisor.forgive_silence()  # another silence
+    run.go(90)
     assert run.mode is Mode.RUN
+
+
+def test_a_stopped_robot_is_not_started_by_the_first_forgiveness_either(run: Run) -> None:
+    run.send()
+    run.go(101)
+    run.supervisor.forgive_silence()
+    run.go()
+    assert run.mode is Mode.PROTECTIVE_STOP
+
+
+def test_a_reset_before_decision_s_first_command_does_not_begin_a_silence(run: Run) -> None:
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go()
+    run.supervisor.reset()
+    run.go(200)
+    assert run.mode is Mode.RUN
+
+
+def test_a_late_command_is_no_reason_why_the_ones_before_were_refused(run: Run) -> None:
+    run.send()
+    assert not run.send({"left_hand": HandTarget(np.full(3, np.nan))})
+    assert not run.send(sequence=1)
+    run.go(101)
+    assert run.supervisor.reason.endswith("is not finite (from 'root/reach')")
 
 
 def test_rejected_commands_do_not_keep_decision_alive(run: Run) -> None:
@@ -283,6 +309,8 @@ def test_a_solution_in_between_starts_the_count_again(run: Run) -> None:
         (lying(pitch=0.95), "tilted"),
         (lying(pitch=-0.95), "tilted"),
         (lying(pitch=3.0), "tilted"),
+        (on_its_side(0.95), "tilted"),
+        (on_its_side(-0.95), "tilted"),
         (lying(pitch=0.0, height=0.41), "low"),
         (replace(UPRIGHT, qpos=np.full(9, np.nan)), "not finite"),
         (replace(UPRIGHT, qvel=np.full(8, np.inf)), "not finite"),
