@@ -17,6 +17,7 @@ from humanoid_bt.core.messages import (
     Mode,
     Pointing,
     PostureTarget,
+    Target,
 )
 from tests.control.supervised import HAND, HEIGHT, SOURCES, UPRIGHT, Run, lying, on_its_side
 
@@ -96,6 +97,21 @@ def test_a_reset_cannot_clear_a_stop_that_no_cycle_has_seen(run: Run) -> None:
     assert run.supervisor.reset() == ""
     run.go()
     assert run.mode is Mode.EMERGENCY_STOP
+
+
+def test_what_blocks_the_robot_stops_it_until_a_reset(run: Run) -> None:
+    ahead: dict[str, Target] = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    for _ in range(120):
+        run.go(90)
+        run.send(ahead)
+        run.supervisor.feel({"torso": np.array([-60.0, 0.0, 0.0])}, UPRIGHT)
+    run.go()
+    assert run.mode is Mode.EMERGENCY_STOP
+    assert run.supervisor.reason == "something is in the way of the torso: 60 N, for more than 10 s"
+    run.supervisor.reset()
+    run.supervisor.feel({"torso": np.zeros(3)}, UPRIGHT)
+    run.go()
+    assert run.mode is Mode.RUN
 
 
 # ---- silent decision ------------------------------------------------------------------------------------------------
