@@ -52,6 +52,8 @@ def test_an_arm_that_is_pushed_hard_yields_and_says_how_hard(touched: Touched) -
     assert contact.largest == 43.0
     assert contact.force.tolist() == [0.0, 9.0, 0.0]
     assert list(rule.contacts) == ["left_arm"]
+    touched.push(0.1)
+    assert touched.push(0.1, left_arm=(10.0, 0.0, 0.0)).contacts["left_arm"].largest == 43.0  # since it yields
 
 
 def test_it_is_soft_until_its_node_has_let_go_and_nothing_touches_it(touched: Touched) -> None:
@@ -87,12 +89,15 @@ def test_a_hand_that_is_to_press_yields_later_and_is_noticed_sooner(touched: Tou
     assert other.push(0.1, left_arm=(5.0, 0.0, 0.0)).contacts
     other.targets = {}
     assert other.push(0.1).pressed == frozenset()
+    other.targets = {"left_hand": HandTarget(np.zeros(3), press=50.0)}
+    assert other.push(0.1, left_arm=(10.0, 0.0, 0.0)).contacts  # never later than one that is not to press
 
 
 def test_a_push_on_the_torso_is_only_told(touched: Touched) -> None:
     touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
     rule = touched.push(0.2, torso=(-150.0, 0.0, 0.0))
     assert rule.contacts["torso"].largest == 150.0
+    assert rule.pressed == {"torso"}
     assert not rule.held
     assert not rule.yielding
     assert not touched.push(5.0, torso=(60.0, 10.0, 0.0)).held  # from behind
@@ -102,10 +107,18 @@ def test_what_is_in_the_way_stops_the_robot_until_it_is_gone_for_a_while(touched
     touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
     for _ in range(4):  # it comes and goes with the robot's steps
         touched.push(0.2, torso=(-60.0, 0.0, 0.0))
-        touched.push(0.1)
+        touched.push(0.2)
     assert touched.rule.held == "something is in the way of the torso: 60 N"
-    assert touched.push(0.9).held
+    assert touched.push(0.7).held
     assert not touched.push(0.2).held
+    assert not touched.push(0.4, torso=(-60.0, 0.0, 0.0)).held  # it counts anew
+
+
+def test_short_contacts_far_apart_do_not_stop_the_robot(touched: Touched) -> None:
+    touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    for _ in range(5):
+        assert not touched.push(0.2, torso=(-60.0, 0.0, 0.0)).held
+        touched.push(1.0)
 
 
 def test_what_is_in_the_way_again_and_again_blocks_the_robot_until_a_person_lets_it_go_on(touched: Touched) -> None:
@@ -142,4 +155,5 @@ def test_an_arm_on_its_way_home_yields_sooner(touched: Touched) -> None:
 
 def test_an_arm_that_yields_is_in_the_way_too(touched: Touched) -> None:
     touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    assert not touched.push(0.6, left_arm=(-20.0, 0.0, 0.0)).held  # it does not yield yet
     assert "the left arm: 30 N" in touched.push(0.6, left_arm=(-30.0, 0.0, 0.0)).held
