@@ -33,3 +33,12 @@ def test_it_begins_anew_for_another_target_and_moves_no_faster_than_ever() -> No
             before, point = point, press.aim(np.array(target), 10.0, point, force)
             assert np.linalg.norm(point - before) <= 0.1 * DT + 1e-9
         assert (np.linalg.norm(point - target) < 1e-6) == meets
+
+
+def test_it_gives_way_to_a_blow_no_faster_than_ever_and_keeps_to_its_way() -> None:
+    press, point = Press(DT), np.zeros(3)
+    for target in ([0.3, 0.0, 0.0], [0.3, 0.04, 0.0]):  # a little aside: it does not slide there
+        for _ in range(10):
+            before, point = point, press.aim(np.array(target), 10.0, point, np.array([-60.0, 0.0, 0.0]))
+            assert before[0] - point[0] == pytest.approx(0.1 * DT)
+            assert point[1] == 0.0
