@@ -105,6 +105,22 @@ def test_a_node_that_raises_when_halted_does_not_keep_others_from_being_halted(w
     assert all(node.status is Status.INVALID for node in broken.tree.root.iterate())
 
 
+def test_of_several_that_raise_when_halted_the_first_is_told(workspace: Workspace) -> None:
+    broken = run(workspace, "{parallel: [{bad_end: {name: first}}, {bad_end: {name: second}}]}")
+    broken.tick()
+    with pytest.raises(NodeError) as caught:
+        broken.executor.halt("test")
+    assert caught.value.path.endswith("/first")
+
+
+def test_what_a_node_raises_while_it_is_stopped_for_what_it_raised_is_told_with_that(workspace: Workspace) -> None:
+    broken = run(workspace, "{bad_end: {script: x}}")
+    with pytest.raises(NodeError, match="out of order") as caught:
+        broken.tick()
+    assert caught.value.error.__notes__ == ["and then, while it was stopped: RuntimeError: cannot stop"]
+    assert vars(broken.tree.root)["halt_reason"] == "raised an exception"
+
+
 def test_of_a_built_in_node_its_own_place_is_told_and_no_line_of_the_engine(workspace: Workspace) -> None:
     text = "blackboard: {n: 0}\nroot:\n  set_blackboard: {key: n, expression: 1 / n}\n"
     with pytest.raises(NodeError, match=r"raised ZeroDivisionError: in '1 / n': 'n' is 0$") as caught:
