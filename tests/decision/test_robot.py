@@ -91,6 +91,20 @@ def test_an_older_percept_does_not_replace_a_newer_one(robot: Robot) -> None:
     assert robot.track("nothing") is None
 
 
+def test_the_view_of_the_next_tree_goes_on_where_that_of_the_last_one_ends(robot: Robot, clock: CycleClock) -> None:
+    robot.begin_tick(standing(1.0, 0.0, 0.0), {})
+    robot.commit()
+    clock.cycle = 500
+    robot.stand_still(standing(3.0, 0.0, 0.0, time=0.5), {})
+    after = make_robot(clock)
+    after.take_over(robot)
+    assert after.clock.now() == robot.clock.now() == 0.0
+    after.begin_tick(standing(3.0, 0.0, 0.0, time=0.6), seen(0.0, distance=1.0))
+    track = after.track("target")
+    assert track is not None and track.position_world[0] == pytest.approx(2.0)  # seen before, and from there
+    assert after.commit().sequence == 1
+
+
 def test_a_target_holds_for_one_tick(robot: Robot) -> None:
     handle = RobotHandle(robot, "t/idle", ("gaze", "posture"))
     robot.begin_tick(make_state(), {})

@@ -98,6 +98,7 @@ def test_it_shifts_its_weight_before_it_lifts_a_foot(ideal: Ideal) -> None:
     assert ideal.walker.gait is Gait.STEP
     assert all(ideal.walker.contact.values())
     assert ideal.walker.zmp_reference[1] > 0.08  # over the left foot; the right steps first
+    assert ideal.walker.still_for == 0.0
     ideal.go(2 * DT, AHEAD)
     assert ideal.walker.contact == {"left": True, "right": False}
     heights = [0.0]
