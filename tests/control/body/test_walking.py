@@ -77,6 +77,29 @@ def test_a_foot_that_slipped_is_put_beside_the_other_one_again(ideal: Ideal, sli
     assert walker.still_for > 2.0  # one step is enough
 
 
+@pytest.mark.parametrize(("aside", "side"), [(-0.01, "left"), (0.01, "right")])
+def test_of_feet_that_slipped_the_one_is_put_right_that_carries_less(ideal: Ideal, aside: float, side: Side) -> None:
+    ideal.walker.foot_reference["left"] = ideal.walker.foot_reference["left"] + (0.06, 0.0, 0.0)
+    while ideal.walker.swing is None:
+        ideal.go(DT, error=np.array([0.0, aside]) if ideal.walker.gait is Gait.STAND else None)
+    assert ideal.walker.swing.side == side
+
+
+@pytest.mark.parametrize("turned", [0.01, -0.01])
+def test_a_heading_that_goes_round_is_no_turn(ideal: Ideal, turned: float) -> None:
+    """It stands facing backward, and is measured a little beyond half a turn."""
+    walker, force = ideal.walker, dict(CARRIES)
+    places = {side: np.array([0.0, -0.09 * sign, math.pi - turned]) for side, sign in zip(SIDES, (1, -1), strict=True)}
+    walker.reset(places, LEVEL, OMEGA)
+    places["left"] = places["left"] + (0.0, 0.0, 2 * turned - 2 * math.pi)
+    for _ in range(2):
+        for _ in range(300):
+            walker.update(None, walker.dcm_reference, walker.zmp_reference, places, footings=LEVEL, foot_force=force)
+            assert abs(math.remainder(walker.foot_reference["left"][2] - math.pi, math.tau)) < 0.02
+        assert walker.gait is Gait.STAND
+        walker.reset(places, LEVEL, OMEGA)
+
+
 def test_feet_that_slipped_a_little_are_let_be(ideal: Ideal) -> None:
     ideal.walker.foot_reference["left"] = ideal.walker.foot_reference["left"] + (0.02, -0.02, 0.1)
     ideal.go(3.0)
@@ -180,6 +203,10 @@ def test_a_standing_foot_takes_the_height_and_slowly_the_tilt_of_the_ground(idea
     assert -0.06 < tilts[40] < -0.02
     np.testing.assert_allclose(walker.foot_footing["left"], slope["left"], atol=3e-3)
     assert walker.ground == pytest.approx(0.02, abs=1e-3)
+    tips = {side: np.array([0.02, 0.5, -0.5]) for side in SIDES}  # no ground is so steep
+    for _ in range(200):
+        walker.update(None, walker.dcm_reference, np.zeros(2), soles, footings=tips, foot_force=CARRIES)
+    np.testing.assert_allclose(walker.foot_footing["left"][1:], [0.2, -0.2])
 
 
 def test_a_foot_that_finds_no_ground_where_it_lands_is_lowered(ideal: Ideal) -> None:
@@ -258,6 +285,29 @@ def test_a_foot_does_not_wait_for_ever_nor_when_the_dcm_has_left_the_feet(ideal:
     pushed = Ideal()
     pushed.go(GAIT.first_shift + 4 * DT, AHEAD, error=np.array([0.2, -0.04]))
     assert not pushed.walker.contact["right"]
+
+
+def test_the_next_foot_waits_as_long_though_the_one_before_did(ideal: Ideal) -> None:
+    turn = np.array([0.0, 0.0, -1.0])
+    ideal.go(GAIT.first_shift + 0.35, turn, error=np.array([0.0, -0.04]))
+    while ideal.walker.swing is not None:
+        ideal.go(DT, turn)
+    ideal.go(GAIT.double_support + 10 * DT, turn, error=np.array([0.0, 0.04]))
+    assert all(ideal.walker.contact.values())
+
+
+def test_a_foot_that_lands_early_does_not_hurry_the_next_step() -> None:
+    lifted = []
+    for force in (None, {"left": 300.0, "right": 100.0}):
+        ideal = Ideal()
+        ideal.until_swing()
+        ideal.go(0.85 * GAIT.single_support, AHEAD)
+        ideal.go(DT, AHEAD, force=force)
+        while ideal.walker.swing is not None:
+            ideal.go(DT, AHEAD)
+        ideal.until_swing()
+        lifted.append(len(ideal.gaits))
+    assert lifted[1] == pytest.approx(lifted[0], abs=1)
 
 
 def test_steps_are_shorter_after_one_in_which_the_standing_foot_turned(ideal: Ideal) -> None:
