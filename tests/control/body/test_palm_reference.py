@@ -84,6 +84,22 @@ def test_a_change_of_what_is_asked_begins_where_the_palm_is() -> None:
     assert math.acos(now.direction @ planned[:, 2]) <= STEP * 1.001
 
 
+def test_what_was_corrected_of_one_axis_is_not_of_another() -> None:
+    turn, target, measured = TurnReference(0.3, 0.01), UPRIGHT, rotation_matrix(turned(UPRIGHT, np.full(3, 0.05)))
+    for _ in range(100):
+        turn.update(target, measured, np.eye(3), heading=0.0, step=STEP)
+    now = turn.update(Pointing(np.array([1.0, 0, 0])), np.eye(3), np.eye(3), heading=0.0, step=STEP)
+    assert isinstance(now, Pointing)
+    np.testing.assert_allclose(now.direction, [1.0, 0, 0], atol=1e-9)
+
+
+def test_of_an_error_that_stays_no_more_is_corrected_than_a_little() -> None:
+    turn, measured = TurnReference(0.3, 0.01), rotation_matrix(turned(UPRIGHT, np.array([0.5, 0.0, 0.0])))
+    for _ in range(1000):
+        now = turn.update(UPRIGHT, measured, np.eye(3), heading=0.0, step=STEP)
+    assert angle(UPRIGHT, now) == pytest.approx(0.1)  # type: ignore[arg-type]  # there is a turn
+
+
 def test_a_held_palm_turns_with_the_stance() -> None:
     turn = TurnReference(0.3, 0.01)
     before = follow(turn, AWAY, 400, np.eye(3))[-1]
@@ -118,6 +134,34 @@ def test_a_released_palm_is_free_to_turn_and_a_held_one_stays_as_it_is() -> None
     assert again is not None and again[1] is None
     assert update(palm, None) is None
     assert update(palm, None, hold=True) is None
+
+
+def test_a_palm_that_was_free_to_turn_begins_from_where_it_is() -> None:
+    palm = PalmReference(WEIGHTS, DT)
+    for target in (*[HandTarget(PALM, AWAY)] * 50, HandTarget(PALM), HandTarget(PALM, AWAY)):
+        found = update(palm, target)
+    assert found is not None and isinstance(found[1], HandTarget)
+    assert angle(UPRIGHT, found[1].orientation) <= STEP * 1.001  # type: ignore[arg-type]  # there is a turn
+
+
+@pytest.mark.parametrize(("asked", "share"), [(None, 1.0), (0.1, 0.25), (5.0, 1.0)])
+def test_a_palm_turns_as_much_slower_as_it_is_to_move(asked: float | None, share: float) -> None:
+    found = update(PalmReference(WEIGHTS, DT), HandTarget(PALM, AWAY, speed=asked))
+    assert found is not None and isinstance(found[1], HandTarget)
+    assert angle(UPRIGHT, found[1].orientation) == pytest.approx(share * STEP)  # type: ignore[arg-type]  # there is a turn
+
+
+@pytest.mark.parametrize("press", [0.0, 10.0])
+def test_the_place_of_a_palm_that_presses_is_not_corrected(press: float) -> None:
+    """What it presses against keeps it from its reference: that is no error."""
+    palm, frames = PalmReference(WEIGHTS, DT), (np.eye(3), np.eye(3))
+    for _ in range(50):
+        found = palm.update(
+            HandTarget(PALM, press=press), False, PALM - 0.01, PALM,
+            stance=np.zeros(3), walks=False, frames=lambda: frames,
+        )  # fmt: skip
+    assert found is not None
+    assert np.array_equal(found[0], PALM) == bool(press)
 
 
 @pytest.mark.parametrize(("asked", "speed"), [(None, 0.4), (0.1, 0.1), (5.0, 0.4)])

@@ -94,6 +94,9 @@ def test_angular_momentum_shifts_the_zmp_within_its_limit_but_not_the_force(stab
     wide = {side: sole * [1, 3, 0] for side, sole in SOLES.items()}
     load = update(stabilizer, momentum_rate=np.array([1e4, 0, 0]), soles=wide)
     assert load.zmp[1] == pytest.approx(GAIT.momentum_limit)
+    stride = {side: sole * [10, 1, 0] for side, sole in SOLES.items()}
+    load = update(stabilizer, momentum_rate=np.array([0, -1e4, 0]), soles=stride)
+    assert load.zmp[0] == pytest.approx(GAIT.momentum_limit)
 
 
 def test_the_reference_of_the_centre_of_mass_goes_to_the_dcm(stabilizer: Stabilizer) -> None:
@@ -102,6 +105,13 @@ def test_the_reference_of_the_centre_of_mass_goes_to_the_dcm(stabilizer: Stabili
         reference = stabilizer.com_reference
         update(stabilizer, dcm_reference=goal, com=np.array([*reference, HEIGHT]))
     np.testing.assert_allclose(stabilizer.com_reference, goal, atol=1e-3)
+
+
+def test_the_reference_of_the_centre_of_mass_slides_to_where_that_is(stabilizer: Stabilizer) -> None:
+    for _ in range(round(3.0 / DT)):
+        update(stabilizer, com=np.array([0.05, 0.0, HEIGHT]))
+    share = GAIT.com_slide / (GAIT.com_slide + stabilizer.omega)
+    np.testing.assert_allclose(stabilizer.com_reference, [0.05 * share, 0.0], atol=1e-6)
 
 
 def test_omega_is_that_of_a_pendulum_of_the_robots_height(stabilizer: Stabilizer) -> None:
