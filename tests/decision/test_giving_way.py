@@ -108,6 +108,7 @@ def test_steps_away_from_what_is_too_near_as_far_as_it_must() -> None:
     assert np.hypot(*(place - [0.5 - HALF, 0.0])) == pytest.approx(ROOM, abs=0.06)
     assert way.away(HERE, ignore=("cart",)) is None
     assert way_of(0.7, 0.0).away(HERE, ignore=()) is None
+    assert way_of(HALF + ROOM - 0.02, 0.0).away(HERE, ignore=()) is None  # not for so little
 
 
 def test_steps_away_from_one_thing_and_not_as_far_from_all() -> None:

@@ -93,6 +93,13 @@ def test_a_walled_goal_has_no_way_and_the_walls_are_told() -> None:
     assert {0, 1, 2, 3} <= set(found.blocking)
 
 
+def test_what_it_begins_beside_is_not_in_its_way() -> None:
+    walls = boxes((4.0, 0.7), (4.7, 0.0), (4.0, -0.7), (3.3, 0.0), (-0.5, 0.0))  # the last nearer than the room
+    found = plan(walls, START, GOAL[None], ROOM)
+    assert found.points is None
+    assert 4 not in found.blocking
+
+
 def test_leaves_a_place_beside_an_obstacle_without_coming_nearer() -> None:
     obstacles = boxes((0.5, 0.0))  # 0.3 m away, nearer than the room
     found = plan(obstacles, START, GOAL[None], ROOM)

@@ -28,6 +28,14 @@ def test_what_has_gone_is_a_change_and_no_obstacle(size: list[float] | None, nam
     assert seen == [(["cart"], 1), (["cart"], 1), ([], 2), ([], 2), (["cart"], 3)]
 
 
+@pytest.mark.parametrize(("above", "stands"), [(0.2, True), (0.3, False)])
+def test_what_hangs_well_above_the_eyes_is_no_obstacle(above: float, stands: bool) -> None:
+    state = make_state(0.0)
+    middle = state.gaze_position[2] - state.base_position[2] + above + 0.1
+    lamp = Percept("lamp", 0.0, np.array([1.0, 0.0, middle]), 0.9, np.array([0.4, 0.4, 0.2]))
+    assert bool(len(watched(lambda _time: [lamp], until=0.1).obstacles)) == stands
+
+
 def cart(time: float, *, seen_at: float, confidence: float = 0.9) -> Percept:
     """Return a cart that comes from the left, where it was at a time."""
     place = np.array([2.0, 2.0 - 0.5 * seen_at, -0.4])

@@ -336,6 +336,7 @@ def test_what_was_before_does_not_count_again(again: TreeRun, text: str, why: st
         ("always: fill", 9, "in 'fill': unknown name 'fill'", "of a node ask: fill runs, or ran"),
         ("always: fill rus", 14, "'fill rus' is no expression: 'rus' is not expected there", "did you mean 'runs'?"),
         ("fil runs", 1, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
+        ("that ran", 1, "the tree 'tea' has no node 'that'", "valid: "),  # of 'not that'
         ("outcome == sucess", 12, "no run ends with 'sucess'", "did you mean 'success'?"),
         ("outcome == 'sucess'", 9, "no run ends with 'sucess'", "did you mean 'success'?"),
         (
@@ -432,7 +433,7 @@ def test_stops_and_emergency_stops_can_be_asked() -> None:
     script = [{"at": 0.2, "silence": "0.3 s"}, {"at": 1.0, "estop": "a hand at the button"}]
     found = Stage(dry=True).run("stand", duration=3.0, script=script)
     met = [
-        "order: [not stopped, stopped, estop]",
+        "order: [not stopped, stopped and not estop, estop]",
         "stops == 2",
         "within 1.1 s: estop",
         "outcome == stopped",
