@@ -184,6 +184,25 @@ def test_a_hand_that_the_robot_lacks_has_no_way(robot: Robot) -> None:
         route.next("up", (0, 0, 1))  # type: ignore[arg-type]  # what a user may write
 
 
+@pytest.mark.parametrize(("height", "blocked"), [(0.0, "shelf"), (0.25, ""), (-0.25, "")])
+def test_a_palm_goes_straight_below_and_above_what_is_far_enough_from_its_way(
+    robot: Robot, height: float, blocked: str
+) -> None:
+    shelf = Percept("shelf", 0.0, np.array([0.5, 0.0, height]), 0.9, np.array([0.2, 1.0, 0.1]))
+    robot.begin_tick(make_state(), {"shelf": shelf})
+    route, goal = HandRoute(RobotHandle(robot, "t/reach", RESOURCES)), [1.0, 0.0, 0.0]
+    assert np.array_equal(route.next("left", goal), goal) == (not blocked)
+    assert route.blocked == blocked
+
+
+def test_a_palm_below_something_is_drawn_back_first(robot: Robot) -> None:
+    table = Percept("table", 0.0, np.array([0.5, 0.0, 0.0]), 0.9, np.array([0.8, 2.0, 0.04]))
+    palm = np.array([0.4, 0.2, -0.15])
+    robot.begin_tick(dataclasses.replace(make_state(), hands={"left": palm}), {"table": table})
+    back = HandRoute(RobotHandle(robot, "t/reach", RESOURCES)).next("left", [0.8, 0.2, 0.3])
+    assert back[0] < 0.2 and back[2] == palm[2]
+
+
 @pytest.mark.parametrize("turns", [-1, 1, 200])
 def test_a_heading_is_the_same_after_full_turns(robot: Robot, turns: int) -> None:
     robot.begin_tick(make_state(), {})

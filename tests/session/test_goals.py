@@ -88,6 +88,8 @@ def test_a_goal_that_is_canceled_ends_and_another_can_come(desk: Desk, tree: Pat
         assert desk.ended == [("long", "interrupted")]
         desk.start("late", 1000)
         desk.cancel("late")  # before its tree is there
+        session.run_until(2.0)
+        assert session.node("wait").status.name == "INVALID"  # which does not start then
         desk.start("next", 0.2)
         session.run_until(3.0)
     assert desk.ended[1:] == [("late", "interrupted"), ("next", "success")]

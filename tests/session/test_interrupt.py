@@ -38,6 +38,12 @@ def test_ctrl_c_in_a_tick_is_raised_when_the_tick_is_over() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_what_a_tick_raises_is_not_hidden_by_a_ctrl_c() -> None:
+    with pytest.raises(ValueError, match="of the tick"), WholeTick():
+        signal.raise_signal(signal.SIGINT)
+        raise ValueError("of the tick")
+
+
 def test_a_second_ctrl_c_does_not_wait() -> None:
     with pytest.raises(KeyboardInterrupt), WholeTick():
         signal.raise_signal(signal.SIGINT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,10 +10,17 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.messages import BaseTarget, Mode, Reading
 from humanoid_bt.robot.model import RobotModel
-from humanoid_bt.robot.sensor_config import AccelerometerConfig, EncoderConfig, FootForceConfig, OrientationConfig
+from humanoid_bt.robot.sensor_config import (
+    AccelerometerConfig,
+    EncoderConfig,
+    FootForceConfig,
+    GyroConfig,
+    OrientationConfig,
+)
 from tests.control.control_rig import ControlRig
 
 BETWEEN_LOOKS, IN_A_LOOK, IN_THE_NEXT = 302, 305, 310  # cycles; in one of these two turns are compared
@@ -75,6 +83,62 @@ def test_a_force_sensor_that_fails_is_noticed_and_legs_say_what_the_feet_bear(
     assert 0.3 < stop.time <= 0.35
     assert feeling.controller.estimator.load.standing == [True, True]
     assert sum(feeling.state.foot_force.values()) == pytest.approx(feeling.robot.mass * GRAVITY, rel=0.2)
+
+
+def looked(robot: RobotModel, change: Callable[[Reading, int], None], upright: bool) -> SensorWatch:
+    """Return what watches a robot that stands still, whose readings are changed, after ten looks."""
+    watch, reading = SensorWatch(robot), Reading(len(robot.joint_names))
+    numbers = np.random.default_rng(0)
+    watch.reset(reading)
+    for look in range(10):
+        reading.values[:] = numbers.normal(0.0, 1e-4, len(reading.values))
+        reading.orientation[0] += 1.0
+        change(reading, look)
+        watch.look(reading, reading.rates.copy(), ESTIMATE_PERIOD, upright)
+    return watch
+
+
+def jolted(reading: Reading, look: int) -> None:
+    reading.accelerometer[:] += 200.0 * (look % 2)
+
+
+def torn(reading: Reading, look: int) -> None:
+    reading.joint_position[3] += look % 2
+
+
+def trodden(reading: Reading, _look: int) -> None:
+    reading.foot_force[0] += 1e5
+
+
+def turning(reading: Reading, look: int) -> None:
+    reading.gyro[:] += 2.0 * look  # and the orientation says that it does not
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (jolted, "the accelerometer jumps"),
+        (turning, "the gyro says something else than the orientation"),
+        (torn, "the sensors of left_knee jumped"),
+        (trodden, "the force sensor of the left foot says what no foot bears"),
+    ],
+)
+def test_a_robot_that_falls_may_throw_its_sensors_about(
+    feeling: ControlRig, change: Callable[[Reading, int], None], what: str
+) -> None:
+    assert looked(feeling.robot, change, upright=True).fault == what
+    assert looked(feeling.robot, change, upright=False).fault == ""
+
+
+@pytest.mark.parametrize(("noise", "what"), [(2e-3, "the gyro is frozen"), (0.0, "")])
+def test_a_sensor_without_noise_may_say_the_same_for_ever(robot: RobotModel, noise: float, what: str) -> None:
+    config = robot.config
+    sensors = replace(config.sensors, gyro=GyroConfig(noise=noise))
+
+    def frozen(reading: Reading, _look: int) -> None:
+        reading.gyro[:] = 0.0
+
+    assert looked(RobotModel(replace(config, sensors=sensors)), frozen, upright=True).fault == what
 
 
 @pytest.mark.trials
