@@ -35,6 +35,6 @@ def test_does_not_take_a_hand_that_is_about_to_move_for_one_at_rest(rig: Rig) ->
 def test_fails_with_the_reason_while_the_robot_is_stopped(rig: Rig) -> None:
     rig.run("wave", hand="left", timeout=1.0)
     rig.raise_estop("somebody came near")
-    result = rig.run("retract", patience=0.6)
+    result = rig.run("retract", patience=1.2)  # in which they have come to rest where they are
     assert result.failed
     assert "somebody came near" in result.feedback

@@ -130,6 +130,13 @@ def test_a_robot_that_falls_may_throw_its_sensors_about(
     assert looked(feeling.robot, change, upright=False).fault == ""
 
 
+def test_what_failed_first_stays_told(feeling: ControlRig) -> None:
+    def one_after_the_other(reading: Reading, look: int) -> None:
+        torn(reading, look) if look > 7 else jolted(reading, look)
+
+    assert looked(feeling.robot, one_after_the_other, upright=True).fault == "the accelerometer jumps"
+
+
 @pytest.mark.parametrize(("noise", "what"), [(2e-3, "the gyro is frozen"), (0.0, "")])
 def test_a_sensor_without_noise_may_say_the_same_for_ever(robot: RobotModel, noise: float, what: str) -> None:
     config = robot.config
