@@ -122,6 +122,21 @@ def test_it_is_forgotten_when_a_branch_that_ended_is_left_for_another(workspace:
     assert left.log.count(("start", "reach")) == 1
 
 
+@shows("hysteresis-forgets")
+@pytest.mark.parametrize(
+    "root",
+    [
+        "{reactive_sequence: [condition: distance(target) <= 1 hysteresis 0.5, act]}",
+        "{reactive_sequence: [{within: {percept: target, distance: 1, hysteresis: 0.5}}, act]}",
+        "{switch: {value: distance(target) <= 1 hysteresis 0.5, cases: {true: act}}}",
+    ],
+)
+def test_it_is_forgotten_when_the_branch_is_left_in_the_same_tick(workspace: Workspace, root: str) -> None:
+    left = asked(workspace, f"{{running_is_failure: {root}}}")
+    assert answers(left, 0.9, 1.25) == "ff"
+    assert left.log.count(("start", "act")) == 1
+
+
 @shows("hysteresis-forgets", "hysteresis-begins")
 def test_it_is_forgotten_while_another_part_decides(workspace: Workspace) -> None:
     both = asked(workspace, "{condition: confidence(target) > 0.5 and distance(target) < 1 hysteresis 0.5}")
@@ -179,3 +194,9 @@ def test_wait_until_runs_until_it_is_true(workspace: Workspace) -> None:
     wait = asked(workspace, "{wait_until: distance(target) < 1}")
     assert wait.ticks(2) == "rr"
     assert answers(wait, 2, 0.5) == "rs"
+
+
+@shows("hysteresis-begins")
+def test_each_wait_begins_with_nothing_held(workspace: Workspace) -> None:
+    twice = asked(workspace, "{repeat: {times: 2, wait_until: distance(target) <= 1 hysteresis 0.5}}")
+    assert answers(twice, 0.9, 1.25, 0.9) == "rrs"

@@ -23,6 +23,13 @@ def test_emergency_stop_halts_its_child_and_waits_for_a_reset(workspace: Workspa
     assert stop.feedback("emergency_stop") == ""
 
 
+def test_what_had_ended_is_taken_back_in_a_stop(workspace: Workspace) -> None:
+    stop = run(workspace, "{emergency_stop: {act: {script: s}}}")
+    stop.tick()
+    stop.tick(mode=Mode.EMERGENCY_STOP)
+    assert stop.told() == [("act", "INVALID"), ("emergency_stop", "RUNNING")]
+
+
 def test_a_damped_robot_is_held_too(workspace: Workspace) -> None:
     stop = run(workspace, STOP)
     stop.tick(mode=Mode.DAMP, reason="base tilted")
