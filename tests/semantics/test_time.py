@@ -42,6 +42,9 @@ def test_limits_are_reached_when_they_are_equal(workspace: Workspace) -> None:
         limit = run(workspace, "{timeout: {duration: 0.2, act: }}")
         limit.clock.cycle = 100 * start
         assert limit.ticks(3) == "rrf"
+        asks = run(workspace, "{ros_service: {service: /never, type: x/A, timeout: 0.2 s}}")
+        asks.clock.cycle = 100 * start
+        assert asks.ticks(3) == "rrf"
     assert run(workspace, "{wait: 0.20001}").ticks(3) == "rrr"
 
 

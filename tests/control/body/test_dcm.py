@@ -76,6 +76,12 @@ def test_a_quick_weight_shift_leaves_both_feet_on_the_ground() -> None:
     assert 0.05 < plan.zmp[0, 1] < 0.09, "most of the weight on the left foot, not all of it"
 
 
+def test_no_weight_goes_to_the_foot_that_swings_where_the_dcm_is_near_the_other_one_already() -> None:
+    given = {"zmp": np.zeros(2), "support": RIGHT, "shift": 0.55, "steps": STEPS}
+    plan, jumps = (plan_walk(GAIT, OMEGA, DT, **given, begins=begins) for begins in (RIGHT[:2], None))  # type: ignore[arg-type]  # of several types
+    np.testing.assert_array_equal(plan.zmp, jumps.zmp)
+
+
 def test_settling_ends_at_rest_over_the_middle() -> None:
     plan = plan_settle(GAIT, OMEGA, DT, zmp=np.array([0.1, -0.09]), middle=np.array([0.15, 0.0]))
     assert len(plan) == len(plan.zmp) == len(plan.dcm)
