@@ -34,3 +34,28 @@ def test_no_leg_pulls_while_nothing_carries_the_robot(robot: RobotModel, bent: f
         off = np.random.default_rng(seed).uniform(-_OFF, _OFF, joints)
         load.explain(at_rest, at_rest, torque[BASE_DOFS:] + off, 0.0)
         assert load.standing[0] or load.standing[1] or load.force.min() > -0.1 * weight
+
+
+@pytest.fixture
+def home(robot: RobotModel) -> RobotDynamics:
+    """The humanoid at rest at home."""
+    dynamics, joints = RobotDynamics(robot), len(robot.joint_names)
+    dynamics.update(Estimate(0.0, robot.home_qpos, np.zeros(BASE_DOFS + joints), np.zeros(joints), np.zeros(2)))
+    return dynamics
+
+
+def test_a_robot_that_people_hold_does_not_stand(robot: RobotModel, home: RobotDynamics) -> None:
+    load, at_rest = FootLoad(robot, home), np.zeros(len(home.bias))
+    load.explain(at_rest, at_rest, home.bias[BASE_DOFS:].copy(), 0.0)
+    np.testing.assert_allclose(load.force, 0.0, atol=1e-6)
+    assert load.standing == [False, False]
+
+
+def test_a_robot_that_falls_freely_is_carried_by_nothing(robot: RobotModel, home: RobotDynamics) -> None:
+    load, at_rest, falls = FootLoad(robot, home), np.zeros(len(home.bias)), np.zeros(len(home.bias))
+    falls[2] = -GRAVITY
+    jacobian, pull = np.zeros((3, len(falls))), 0.2 * robot.mass * GRAVITY
+    mujoco.mj_jacSite(home.model, home.data, jacobian, None, robot.model.site(sole_site("left")).id)
+    load.explain(at_rest, falls, pull * jacobian[2, BASE_DOFS:], -GRAVITY)
+    np.testing.assert_allclose(load.force, [-pull, 0.0], atol=0.1 * pull)
+    assert load.standing == [False, False]
