@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from py_trees.common import Status
 
 import humanoid_bt as hbt
 from humanoid_bt.core.messages import Gait, Mode
+from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.listener import Listener
+from humanoid_bt.session.teller import Teller
 
 WALK = "format: 1\nroot: {emergency_stop: walk}\n"
 LIMITED = "format: 1\nroot: {emergency_stop: {timeout: {duration: 0.4 s, walk: }}}\n"
@@ -177,6 +179,15 @@ def test_who_pauses_first_is_told_once() -> None:
         session.resume(source="keyboard")
         session.step()
     assert events(session)[:3] == ["paused by keyboard: first", "one tick by program", "continued by keyboard"]
+
+
+def test_a_step_that_came_too_late_is_none_of_the_next_pause() -> None:
+    debugger = Debugger(cast(Teller, None))  # who is told of nothing here
+    debugger.ask_pause("keyboard", "first")
+    debugger.ask_step("keyboard")
+    debugger.resume("program")
+    debugger.ask_pause("keyboard", "second")
+    assert debugger.standing() is debugger.pause
 
 
 @pytest.mark.trials
