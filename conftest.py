@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import gc
 import zlib
 from pathlib import Path
@@ -14,7 +15,7 @@ _SCENARIOS = Path(__file__).parent / "scenarios"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let somebody who tries often try a part of the trials at a time."""
-    parser.addoption("--part", metavar="K/N", help="of the tests marked trials, only those of part K of N")
+    parser.addoption("--part", metavar="K/N", type=_of, help="of the tests marked trials, only those of part K of N")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -23,7 +24,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.path.is_relative_to(_SCENARIOS) and not item.scenario.dry:
             item.add_marker(pytest.mark.trials)
     if part := config.getoption("--part"):
-        number, parts = map(int, part.split("/"))
+        number, parts = part
         mine = [item for item in items if not item.get_closest_marker("trials") or _part(item, parts) == number % parts]
         config.hook.pytest_deselected(items=list(set(items) - set(mine)))
         items[:] = mine
@@ -33,6 +34,13 @@ def pytest_collection_finish() -> None:
     """Let the garbage collector leave aside what lives as long as all tests do, and what they import."""
     gc.collect()
     gc.freeze()
+
+
+def _of(text: str) -> tuple[int, int]:
+    number, slash, parts = text.partition("/")
+    if not (slash and number.isdecimal() and parts.isdecimal() and int(parts)):
+        raise argparse.ArgumentTypeError(f"it must be K/N, as 2/5, not {text!r}")
+    return int(number), int(parts)
 
 
 def _part(item: pytest.Item, parts: int) -> int:
