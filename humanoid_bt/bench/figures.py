@@ -51,7 +51,7 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     assert isinstance(run.engine, Lockstep)
     plant = run.engine.plant
     standing = (plant.data.qpos.copy(), plant.data.qvel.copy())
-    step = plant.step
+    step, whole = plant.step, run.engine.model
 
     def note(command: JointCommand) -> None:
         step(command)
@@ -62,17 +62,17 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     simulated = len(controls) * plant.model.opt.timestep
 
     def stack() -> float:
-        whole, start = _new_run(workspace, recording), _new_run(workspace, recording, DECISION_PERIOD)
-        return cpu(whole.run) - cpu(start.run)  # the recorder's process imports a lot, once
+        ours, start = _new_run(workspace, recording), _new_run(workspace, recording, DECISION_PERIOD)
+        return cpu(ours.run) - cpu(start.run)  # the recorder's process imports a lot, once
 
     def bare() -> float:
-        data = mujoco.MjData(plant.model)
+        data = mujoco.MjData(whole)
         data.qpos[:], data.qvel[:] = standing
 
         def steps() -> None:
             for control in controls:
                 data.ctrl[:] = control
-                mujoco.mj_step(plant.model, data)
+                mujoco.mj_step(whole, data)
 
         return cpu(steps)
 

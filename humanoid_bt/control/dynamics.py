@@ -36,20 +36,19 @@ class RobotDynamics:
     """
 
     def __init__(self, robot: RobotModel) -> None:
-        self.model = robot.model
-        self.data = mujoco.MjData(robot.model)
-        self._base = robot.model.body(robot.config.base).id
-        self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
-        self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
+        model = self.model = robot.bare
+        data = self.data = mujoco.MjData(model)
+        self._base = model.body(robot.config.base).id
+        self._sole = {side: model.site(sole_site(side)).id for side in SIDES}
+        self._palm = {side: model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._palm_axes = robot.palm_axes
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
-        self._gaze = robot.model.site(GAZE_SITE).id
-        data = self.data
-        self.addresses: tuple[int, int] = self.model._address, data._address
+        self._gaze = model.site(GAZE_SITE).id
+        self.addresses: tuple[int, int] = model._address, data._address
         self.bias: Array = data.qfrc_bias  # a view, as the next ones are
         self.motions: Array = data.cdof
         self._qpos, self._qvel = data.qpos, data.qvel
-        self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
+        self.origin: Array = data.subtree_com[model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
         self.sole_positions: Array = np.zeros((2, 3))

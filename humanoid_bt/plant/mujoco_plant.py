@@ -12,7 +12,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
 from humanoid_bt.plant.scene import Scene, random_stream
-from humanoid_bt.plant.scene_model import scene_model
+from humanoid_bt.plant.scene_model import physics_model
 from humanoid_bt.plant.sensors import Sensors
 from humanoid_bt.plant.touches import Touches
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel, foot_sensor
@@ -29,7 +29,7 @@ class MujocoPlant:
         UserError: robot and scene do not go together.
 
     Attributes:
-        model, data: MuJoCo's; the robot's coordinates come first.
+        model, data: MuJoCo's, without what is only drawn; the robot's coordinates come first.
         time: engine time [s].
         external_force_max: largest external force or torque there ever was on any body [N, Nm].
         touches: what of the scene the robot has touched since :meth:`place`, besides the floor.
@@ -41,7 +41,7 @@ class MujocoPlant:
     def __init__(self, robot: RobotModel, scene: Scene) -> None:
         self.robot = robot
         self.scene = scene
-        self.model = scene_model(robot, scene)
+        self.model = physics_model(robot, scene)
         self.data = mujoco.MjData(self.model)
         joints = len(robot.joint_names)
         self._nq = BASE_COORDINATES + joints
@@ -230,8 +230,9 @@ class MujocoPlant:
 
     def note_external_force(self) -> None:
         """Look at every external force that MuJoCo applies now and remember the largest."""
-        largest = max(float(np.abs(self.data.xfrc_applied).max()), float(np.abs(self.data.qfrc_applied).max()))
-        self.external_force_max = max(self.external_force_max, largest)
+        for applied in (self.data.xfrc_applied, self.data.qfrc_applied):
+            if applied.any():
+                self.external_force_max = max(self.external_force_max, float(np.abs(applied).max()))
 
 
 def _gives_up(error: Exception) -> str:

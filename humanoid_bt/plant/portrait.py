@@ -11,10 +11,10 @@ from PIL import Image
 
 from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.camera_client import CameraLost, CameraProcess
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.rendering import Setup, Shot, View
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.robot.model import RobotModel
 
 _HORIZONTAL, _VERTICAL = math.radians(24), math.radians(34)  # of the picture
@@ -30,8 +30,8 @@ def portrait(robot: RobotModel, qpos: Array) -> tuple[bytes, str]:
         robot: the robot.
         qpos: how it stands, shape (7 + nj,).
     """
-    plant = MujocoPlant(robot, Scene(SceneConfig(format=1, name="empty"), 0))
-    camera = CameraProcess(Setup(plant.model, View("", _HORIZONTAL, _VERTICAL), depth=True), math.inf, _PATIENCE)
+    model = scene_model(robot, Scene(SceneConfig(format=1, name="empty"), 0))
+    camera = CameraProcess(Setup(model, View("", _HORIZONTAL, _VERTICAL), depth=True), math.inf, _PATIENCE)
     try:
         if why := camera.open():
             return b"", why

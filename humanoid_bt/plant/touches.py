@@ -12,11 +12,11 @@ import numpy as np
 
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.core.palm import in_world, other_side
+from humanoid_bt.plant.scene_model import FLOOR_CONTACTS
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.model import carriers, palm_site
 from humanoid_bt.robot.palm import palm_axes
 
-_LOOK_AGAIN = 9  # moments in which as many contacts as before are taken for the same ones
 _SENT = 0.15  # m from a palm's target within which the hand touches what it was sent to; fingers are as long
 _PARTED = 0.1  # s without a touch after which a hand and a thing have parted; one that is let go may bounce
 
@@ -65,33 +65,24 @@ class Touches:
         self._things = np.array([_thing(model, body) for body in model.geom_bodyid])
         self.possible = bool((self._things >= 0).any())
         self.all: list[Touch] = []
+        self._on_floor = int(model.sensor(FLOOR_CONTACTS).adr[0])  # how many contacts the floor has
         self._known: set[tuple[str, str, bool]] = set()
         self._meant: dict[tuple[Side, str], float] = {}  # when a hand touched last what it was sent to
         self.targets: Mapping[str, Any] = {}
-        self._harmless = -1  # contacts when it was last looked, if none of them was with a thing
-        self._passed = 0  # moments since then
 
     def clear(self) -> None:
         """Forget all of them."""
         self.all.clear()
         self._known.clear()
         self._meant.clear()
-        self._harmless = -1
         self.targets = {}
 
     def note(self, data: mujoco.MjData, time: float) -> None:
         """Take those of a moment, engine time [s]."""
-        if data.ncon == self._harmless and self._passed < _LOOK_AGAIN:  # as in most moments
-            self._passed += 1
+        if data.ncon == data.sensordata.item(self._on_floor):  # as in most moments
             return
-        self._passed = 0
-        geoms = data.contact.geom
+        model, geoms = self._model, data.contact.geom
         things = self._things[geoms]
-        if not len(things) or things.max() < 0:
-            self._harmless = len(things)
-            return
-        self._harmless = -1
-        model = self._model
         for number in np.flatnonzero(things.max(axis=1) >= 0).tolist():
             first, second = things[number].tolist()
             link = int(model.geom_bodyid[geoms[number, 1 if first >= 0 else 0]])

@@ -71,7 +71,8 @@ class RobotModel:
 
     Attributes:
         policy: the learned walker that walks it; None if none does.
-        model: the robot alone, without floor or scene (the control layer's own copy).
+        model: the robot alone, without floor or scene.
+        bare: the same without what is only drawn, for control: everything but the geoms has the same place and number.
         joint_names: names of the nj joints; joint i is coordinate 7 + i and degree of freedom 6 + i.
         lower, upper: soft limits, shape (nj,) [rad]; infinite where the model has none.
         stiffness, damping: drive gains, shape (nj,) [Nm/rad], [Nm s/rad].
@@ -88,8 +89,10 @@ class RobotModel:
         mujoco_warnings.hear()
         self.policy = learned_walker(config)
         self.config = config
-        self.model = _compile(self.spec(), config)
-        model = self.model
+        spec = self.spec()
+        model = self.model = _compile(spec, config)
+        spec.compiler.discardvisual = True
+        self.bare = _compile(spec, config)
         self.joint_names = tuple(model.joint(j).name for j in range(1, model.njnt))
         if self.policy and (problems := list(self.policy.problems_with(self.joint_names))):
             raise UserError(problems)

@@ -10,6 +10,7 @@ import logging
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime.lockstep_link import LockstepLink
 from humanoid_bt.robot import mujoco_warnings
@@ -79,10 +81,10 @@ class Lockstep:
         self._logged: tuple[LocalTable, LocalTable] | None = None
         self._decision = cycles(DECISION_PERIOD)
 
-    @property
+    @cached_property
     def model(self) -> mujoco.MjModel:
-        """MuJoCo's model of the robot in its scene."""
-        return self.plant.model
+        """MuJoCo's model of the robot in its scene, for those who draw it."""
+        return scene_model(self.robot, self.scene)
 
     @property
     def supervisor(self) -> Supervisor:

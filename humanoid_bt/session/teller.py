@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -30,7 +31,7 @@ from humanoid_bt.tree.tree import Tree
 NO_PERCEPT = "publishes no percept"
 """What the warning about a percept that can never come says."""
 
-_STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
+_STATUS_PERIOD = 0.2  # s on the wall clock between two reports to whoever looks from outside
 _MOST_TOLD = 1000  # characters of a text in them
 
 
@@ -62,6 +63,7 @@ class Teller:
         self.odometry: dict[str, float] | None = None
         self._began = time.monotonic()
         self._ticks = 0
+        self._published = -math.inf  # on the monotonic clock [s]
         self._routes: list[list[list[float]]] = []  # that were recorded last
 
     @property
@@ -184,7 +186,7 @@ class Teller:
         pause = command.pause if command is not None else None
         self._listener.progress(state.time, doing if pause is None else f"{pause}; at {doing}")
         self._ticks += 1
-        if self._ticks % _STATUS_TICKS == 1:
+        if time.monotonic() - self._published >= _STATUS_PERIOD:
             self._publish(state, runner)
 
     def ended(self, end: End, tree_ended: float | None, slow_ticks: Mapping[str, Any]) -> None:
@@ -201,14 +203,15 @@ class Teller:
 
     def _publish(self, state: State, runner: TreeRunner) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""
-        robot, tip = runner.robot, runner.tip
+        robot, tip, now = runner.robot, runner.tip, time.monotonic()
+        self._published = now
         self._engine.publish(
             {
                 "time": state.time,
-                "told_at": time.monotonic(),
+                "told_at": now,
                 "node": shortened(getattr(tip, "path", ""), _MOST_TOLD),
                 "feedback": shortened(tip.feedback_message, _MOST_TOLD) if tip is not None else "",
-                "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
+                "tick_rate": self._ticks / max(now - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
                 "unseen": dict(self._engine.unseen),
             },

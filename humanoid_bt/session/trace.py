@@ -48,7 +48,6 @@ class Trace:
 
     def tick(self, state: State, command: Command) -> None:
         """Take what one tick saw and commanded."""
-        for values in (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position):
-            self._hash.update(values.tobytes())
-        self._hash.update(pack_targets(command.targets))
-        self._hash.update(f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode())
+        seen = (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position)
+        what = f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode()
+        self._hash.update(b"".join((*(values.tobytes() for values in seen), pack_targets(command.targets), what)))

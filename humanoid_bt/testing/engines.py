@@ -123,5 +123,6 @@ class Engines:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
         standing = scene.floor.under(start, scene.start_pose[2])
         engine = Lockstep(robot, standing, scene, perception)
-        bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
+        model = engine.plant.model
+        bodies = [model.body(number).name for number in range(1, model.nbody)]
         return Ready(engine, engine.plant, bodies, robot_file, scene.config.path)

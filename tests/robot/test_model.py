@@ -72,6 +72,18 @@ def test_joints_are_in_the_models_order(robot: RobotModel) -> None:
         assert model.actuator(i).name == name
 
 
+def test_control_has_the_same_robot_without_what_is_only_drawn(robot: RobotModel) -> None:
+    model, bare = robot.model, robot.bare
+    assert bare.ngeom == (model.geom_contype | model.geom_conaffinity).astype(bool).sum() < model.ngeom
+    forces = []
+    for each in (model, bare):
+        data = mujoco.MjData(each)
+        data.qpos[:], data.qvel[:] = robot.home_qpos, np.linspace(-1, 1, each.nv)
+        mujoco.mj_forward(each, data)
+        forces.append(np.concatenate([data.qfrc_bias, data.qacc, data.site_xpos.ravel(), data.sensordata]))
+    assert np.array_equal(*forces)
+
+
 def test_numbers_of_the_drives_come_from_their_group(robot: RobotModel) -> None:
     knee, neck = robot.joint("right_knee"), robot.joint("neck_yaw")
     numbers = (robot.stiffness, robot.damping, robot.torque_limit, robot.speed_limit)

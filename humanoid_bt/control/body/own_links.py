@@ -63,6 +63,7 @@ class OwnLinks:
         spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         disable = mujoco.mjtDisableBit
         spec.option.disableflags |= disable.mjDSBL_LIMIT | disable.mjDSBL_FRICTIONLOSS  # only contacts are asked for
+        spec.compiler.discardvisual = True
         self.model: mujoco.MjModel = spec.compile()
         model = self.model
         names = [model.geom(geom).name.split("_") for geom in range(model.ngeom)]

@@ -85,8 +85,8 @@ def test_arms_are_held_against_gravity(robot: RobotModel, dynamics: RobotDynamic
 
 def test_joints_are_held_against_their_springs(robot: RobotModel, estimate: Estimate) -> None:
     sprung, elbow = copy(robot), robot.joint("left_elbow")
-    sprung.model = copy(robot.model)
-    sprung.model.jnt_stiffness[1 + elbow], sprung.model.qpos_spring[BASE_COORDINATES + elbow] = 10.0, 0.5
+    sprung.bare = copy(robot.bare)
+    sprung.bare.jnt_stiffness[1 + elbow], sprung.bare.qpos_spring[BASE_COORDINATES + elbow] = 10.0, 0.5
     held = []
     for one in (robot, sprung):
         dynamics = RobotDynamics(one)
