@@ -8,7 +8,6 @@ from pathlib import Path
 
 import mink
 import mujoco
-import numpy as np
 
 from humanoid_bt.bench.control import CommandedRobot, measure_control
 from humanoid_bt.bench.figure import Figure, cpu, figure
@@ -16,13 +15,14 @@ from humanoid_bt.bench.promises import SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
 from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import Array, JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.session import Session
 
 _TREE = "fetch"
+_STAND = str(Path(__file__).with_name("stand.yaml"))
 _CALLS = 400
 
 
@@ -45,46 +45,62 @@ def measure(repetitions: int) -> Iterator[Figure]:
 
 
 def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
-    workspace = Workspace(builtin_root())
-    controls: list[np.ndarray] = []
-    run = _new_run(workspace, recording)
-    assert isinstance(run.engine, Lockstep)
-    plant = run.engine.plant
-    standing = (plant.data.qpos.copy(), plant.data.qvel.copy())
-    step, whole = plant.step, run.engine.model
-
-    def note(command: JointCommand) -> None:
-        step(command)
-        controls.append(plant.data.ctrl.copy())
-
-    plant.step = note  # type: ignore[method-assign]  # note what is commanded
-    run.run()
-    simulated = len(controls) * plant.model.opt.timestep
+    """Measure what a run costs beyond one that only begins and ends, in which the robot stands for a moment."""
+    whole, short = _Motion(_new_run(recording)), _Motion(_short_run(recording))
+    simulated = whole.time - short.time
 
     def stack() -> float:
-        ours, start = _new_run(workspace, recording), _new_run(workspace, recording, DECISION_PERIOD)
-        return cpu(ours.run) - cpu(start.run)  # the recorder's process imports a lot, once
+        ours, beside = _new_run(recording), _short_run(recording)
+        return cpu(ours.run) - cpu(beside.run)
 
-    def bare() -> float:
-        data = mujoco.MjData(whole)
-        data.qpos[:], data.qvel[:] = standing
-
-        def steps() -> None:
-            for control in controls:
-                data.ctrl[:] = control
-                mujoco.mj_step(whole, data)
-
-        return cpu(steps)
-
-    pairs = [(stack(), bare()) for _ in range(repetitions)]
+    pairs = [(stack(), cpu(whole.repeat) - cpu(short.repeat)) for _ in range(repetitions)]
     title = f"whole stack: run {_TREE}, recording on, no pictures; begin and end aside"
     yield figure(title, "mj_step of the same motion", "ms CPU", pairs, scale=1e3, promise=STACK)
     wall = [(simulated, ours) for ours, _ in pairs]
     yield figure("lockstep: simulated time, recording on", "CPU time it took", "s", wall, promise=SPEED)
 
 
-def _new_run(workspace: Workspace, recording: Path, duration: float | None = None) -> Session:
-    return Session(_TREE, workspace=workspace, record=recording, camera=False, duration=duration)
+class _Motion:
+    """What a run commands the drives, to be repeated by bare physics: with the whole model, as MuJoCo reads it.
+
+    Args:
+        run: the run, which is run.
+
+    Attributes:
+        time: that it simulates [s].
+    """
+
+    def __init__(self, run: Session) -> None:
+        assert isinstance(run.engine, Lockstep)
+        plant, self._controls = run.engine.plant, list[Array]()
+        self._model, self._start = run.engine.model, (plant.data.qpos.copy(), plant.data.qvel.copy())
+        step = plant.step
+
+        def note(command: JointCommand) -> None:
+            step(command)
+            self._controls.append(plant.data.ctrl.copy())
+
+        plant.step = note  # type: ignore[method-assign]  # note what is commanded
+        run.run()
+        self.time = len(self._controls) * SERVO_PERIOD
+
+    def repeat(self) -> None:
+        """Do it once more."""
+        data = mujoco.MjData(self._model)
+        data.qpos[:], data.qvel[:] = self._start
+        for control in self._controls:
+            data.ctrl[:] = control
+            mujoco.mj_step(self._model, data)
+
+
+def _new_run(recording: Path) -> Session:
+    return Session(_TREE, workspace=Workspace(builtin_root()), record=recording, camera=False)
+
+
+def _short_run(recording: Path) -> Session:
+    return Session(
+        _STAND, workspace=Workspace(builtin_root()), record=recording, camera=False, duration=DECISION_PERIOD
+    )
 
 
 # ---- whole-body control against the bare solver ---------------------------------------------------------------------
