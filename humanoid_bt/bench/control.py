@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 from humanoid_bt.bench.figure import Figure, Pairs, cpu, figure
+from humanoid_bt.bench.motion import Motion
 from humanoid_bt.bench.promises import ESTIMATE, LOG, LOG_USUAL, OWN_LINKS
 from humanoid_bt.control.body.body import Body
 from humanoid_bt.control.body.standing import load_robot
@@ -27,7 +27,6 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.robot.config import Walk
 
 _BEGIN, _CYCLES = 1000, 2000  # servo cycles until it walks, and that are measured
@@ -75,15 +74,9 @@ class CommandedRobot:
             )
 
     def physics(self, time: float) -> float:
-        """Return the CPU time of bare physics for some time [s], from where the robot is now [s].
-
-        It is that of the whole model, as MuJoCo reads it: what is only drawn costs it a tenth.
-        """
-        plant, model = self.plant, scene_model(self.plant.robot, self.plant.scene)
-        model.actuator_biasprm[:] = plant.model.actuator_biasprm  # the gains that are commanded
-        ours, data = plant.data, mujoco.MjData(model)
-        data.qpos[:], data.qvel[:], data.ctrl[:] = ours.qpos, ours.qvel, ours.ctrl
-        return cpu(lambda: mujoco.mj_step(model, data), _CYCLES) * cycles(time)
+        """Return the CPU time of bare physics for some time [s] of what the robot goes on to do [s]."""
+        motion = Motion(self.plant, lambda: self.run(_CYCLES))
+        return cpu(motion.repeat) / motion.time * time
 
 
 def measure_control(repetitions: int) -> Iterator[Figure]:

@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import mink
-import mujoco
 
 from humanoid_bt.bench.control import CommandedRobot, measure_control
 from humanoid_bt.bench.figure import Figure, cpu, figure
+from humanoid_bt.bench.motion import Motion
 from humanoid_bt.bench.promises import SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
 from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import Array, JointCommand
+from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.session import Session
@@ -46,7 +45,7 @@ def measure(repetitions: int) -> Iterator[Figure]:
 
 def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     """Measure what a run costs beyond one that only begins and ends, in which the robot stands for a moment."""
-    whole, short = _Motion(_new_run(recording)), _Motion(_short_run(recording))
+    whole, short = _motion(_new_run(recording)), _motion(_short_run(recording))
     simulated = whole.time - short.time
 
     def stack() -> float:
@@ -60,37 +59,9 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     yield figure("lockstep: simulated time, recording on", "CPU time it took", "s", wall, promise=SPEED)
 
 
-class _Motion:
-    """What a run commands the drives, to be repeated by bare physics: with the whole model, as MuJoCo reads it.
-
-    Args:
-        run: the run, which is run.
-
-    Attributes:
-        time: that it simulates [s].
-    """
-
-    def __init__(self, run: Session) -> None:
-        assert isinstance(run.engine, Lockstep)
-        plant, self._controls = run.engine.plant, list[Array]()
-        self._model, self._start = run.engine.model, (plant.data.qpos.copy(), plant.data.qvel.copy())
-        step = plant.step
-
-        def note(command: JointCommand) -> None:
-            step(command)
-            self._controls.append(plant.data.ctrl.copy())
-
-        plant.step = note  # type: ignore[method-assign]  # note what is commanded
-        run.run()
-        self.time = len(self._controls) * SERVO_PERIOD
-
-    def repeat(self) -> None:
-        """Do it once more."""
-        data = mujoco.MjData(self._model)
-        data.qpos[:], data.qvel[:] = self._start
-        for control in self._controls:
-            data.ctrl[:] = control
-            mujoco.mj_step(self._model, data)
+def _motion(run: Session) -> Motion:
+    assert isinstance(run.engine, Lockstep)
+    return Motion(run.engine.plant, run.run)
 
 
 def _new_run(recording: Path) -> Session:
