@@ -193,9 +193,7 @@ class Staged:
             until = math.inf if fault.duration is None else now + fault.duration
             if fault.duration != 0.0:
                 self._lasting.append(_Lasting(fault, until, numbers))
-        self._lasting.sort(
-            key=lambda lasting: isinstance(lasting.fault, Noise)
-        )  # of what is seen, whatever began first
+        self._lasting.sort(key=lambda lasting: isinstance(lasting.fault, Noise))  # noise last: of what is seen then
         self._weaken()
 
     def _is_due(self, event: Event, now: float) -> bool:
