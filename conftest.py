@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import gc
+import signal
 import zlib
 from pathlib import Path
 
@@ -16,6 +17,12 @@ _SCENARIOS = Path(__file__).parent / "scenarios"
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let somebody who tries often try a part of the trials at a time."""
     parser.addoption("--part", metavar="K/N", type=_of, help="of the tests marked trials, only those of part K of N")
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C count in tests of it, also where a shell has begun this in the background, which ignores it."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
