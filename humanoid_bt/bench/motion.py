@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import mujoco
+import numpy as np
 
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.messages import Array, JointCommand
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene_model import scene_model
+
+_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)  # all that the next step depends on
 
 
 class Motion:
@@ -26,7 +29,8 @@ class Motion:
     def __init__(self, plant: MujocoPlant, run: Callable[[], object]) -> None:
         self._model = scene_model(plant.robot, plant.scene)
         self._model.actuator_biasprm[:] = plant.model.actuator_biasprm
-        self._start = plant.data.qpos.copy(), plant.data.qvel.copy()
+        self._start: Array = np.empty(mujoco.mj_stateSize(plant.model, _STATE))
+        mujoco.mj_getState(plant.model, plant.data, self._start, _STATE)
         self._controls: list[Array] = []
         step = plant.step
 
@@ -39,10 +43,11 @@ class Motion:
         plant.step = step  # type: ignore[method-assign]  # as it was
         self.time = len(self._controls) * SERVO_PERIOD
 
-    def repeat(self) -> None:
-        """Do it once more."""
+    def repeat(self) -> Array:
+        """Do it once more; return where it ends, MuJoCo's coordinates."""
         data = mujoco.MjData(self._model)
-        data.qpos[:], data.qvel[:] = self._start
+        mujoco.mj_setState(self._model, data, self._start, _STATE)
         for control in self._controls:
             data.ctrl[:] = control
             mujoco.mj_step(self._model, data)
+        return np.array(data.qpos)

@@ -48,7 +48,7 @@ class Speed:
 
     Attributes:
         walk: simulated time beside CPU time, as it walks.
-        physics: the same of ``mj_step`` alone.
+        physics: the same of ``mj_step`` alone, of the same motion.
         solve: a solve of inverse kinematics with both hands commanded; None without hands.
     """
 
@@ -101,7 +101,7 @@ def markdown(entries: Sequence[Entry], rows: Sequence[Row], command: str, seeds:
             "",
             f"Made by `{command}`: {trials} of each row.",
             "Simulated: times faster than real time on one core, as it walks, without decision and recording;",
-            "in brackets `mj_step` alone. IK: with both hands commanded.",
+            "in brackets `mj_step` alone, of the same motion. IK: with both hands commanded.",
             "",
             *(f"- `{row.name}`: {row.what}" for row in rows),
             "",
