@@ -311,8 +311,12 @@ class Rig:
         )
 
     def settle(self, duration: float | str = 2.0) -> State:
-        """Let the robot come to rest with nothing commanded, for a time [s]; return the state then."""
-        until = self.time + _time(duration)
+        """Let the robot come to rest with nothing commanded, for a time [s]; return the state then.
+
+        Raises:
+            UserError: it is no such time, or without an end.
+        """
+        until = self.time + limits.HOLD.take(duration, "duration")
         while self.time < until:
             state, percepts = self._sense()
             self._robot.begin_tick(state, percepts)

@@ -8,6 +8,7 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import DECISION_PERIOD
@@ -105,17 +106,17 @@ class SourceRig:
         Raises:
             UserError: these are no such arrays.
         """
-        colors = np.asarray(color)
+        colors, distances = _numbers(color, "color"), _numbers(depth, "depth")
         if colors.ndim != 3 or colors.shape[2] != 3:
             raise UserError(f"'color' has the shape {colors.shape}", hint="height x width x 3: red, green, blue")
         if not ((colors >= 0) & (colors <= 255)).all():
             raise UserError(f"'color' goes from {colors.min()} to {colors.max()}", hint="valid: from 0 to 255")
         pixels = colors.astype(np.uint8)
         try:
-            depths = np.broadcast_to(np.asarray(depth, dtype=np.float32), pixels.shape[:2])
+            depths = np.broadcast_to(distances.astype(np.float32), pixels.shape[:2])
         except ValueError:
             hint = f"one for each pixel, {pixels.shape[:2]}, or one for all"
-            raise UserError(f"'depth' has the shape {np.shape(depth)}", hint=hint) from None
+            raise UserError(f"'depth' has the shape {distances.shape}", hint=hint) from None
         _, standing = self._stand("empty", 0)
         state = replace(standing, time=time)
         ahead = state.gaze_direction
@@ -150,6 +151,17 @@ class SourceRig:
             state, _ = Lockstep(self._robot, self._start, around, ScriptedPerception()).sense()
             self._standing[key] = around, state
         return self._standing[key]
+
+
+def _numbers(values: Any, name: str) -> NDArray[Any]:
+    """Return an array of numbers; raises UserError if they are none, or the rows have several lengths."""
+    try:
+        found = np.asarray(values)
+    except ValueError:
+        found = np.array(None)
+    if found.dtype.kind not in "biuf":
+        raise UserError(f"{name!r} is no array of numbers", hint="rows of one length")
+    return found
 
 
 class SourceTrial:

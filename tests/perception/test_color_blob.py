@@ -73,9 +73,21 @@ def test_confidence_falls_with_pixels_edge_cover_and_colour(source_rig: SourceRi
     assert off is None or off.confidence < 0.75 * large
 
 
-def test_a_picture_is_drawn_in_whole_bytes(source_rig: SourceRig) -> None:
-    with pytest.raises(UserError, match="'color' goes from 0 to 300\n    valid: from 0 to 255"):
-        source_rig.drawn([[[300, 0, 0]]], 1.0)
+@pytest.mark.parametrize(
+    ("color", "depth", "told"),
+    [
+        ([[[300, 0, 0]]], 1.0, "'color' goes from 0 to 300\n    valid: from 0 to 255"),
+        ([[[0, 0, 0]], [[0, 0, 0], [0, 0, 0]]], 1.0, "'color' is no array of numbers\n    rows of one length"),
+        ([[["red", "green", "blue"]]], 1.0, "'color' is no array of numbers"),
+        ([[[0, 0, 0]]], None, "'depth' is no array of numbers"),
+        ([[[0, 0, 0]]], [1.0, 2.0], r"'depth' has the shape \(2,\)"),
+    ],
+)
+def test_a_picture_is_drawn_in_whole_bytes_and_metres(
+    source_rig: SourceRig, color: object, depth: object, told: str
+) -> None:
+    with pytest.raises(UserError, match=told):
+        source_rig.drawn(color, depth)
 
 
 def test_other_colours_and_grey_are_not_it(source_rig: SourceRig) -> None:

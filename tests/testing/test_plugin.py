@@ -22,6 +22,8 @@ def test_a_skill_of_this_project(rig):
 
 def test_a_built_in_skill(rig):
     assert rig.run("idle", timeout="200 ms").commands
+    with pytest.raises(UserError, match="'duration' must be a number above 0, not inf"):
+        rig.settle(float("inf"))
     with pytest.raises(UserError, match="'timeout' must be a number above 0, not '2 m'"):
         rig.run("idle", timeout="2 m")
 
