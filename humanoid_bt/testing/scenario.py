@@ -143,9 +143,11 @@ def _located(scenario: Scenario, path: Path, item: Item) -> Scenario:
 
 
 def _file(path: Path, name: str | None) -> str | None:
-    """Return the file that a path in a scenario's file names, beside that one if there is one, else the name."""
-    beside = path.parent / (name or "")
-    return str(beside) if name and is_path(name) and is_file(beside) else name
+    """Return the file, or folder of a robot, that a path in a scenario names beside its file, else the name."""
+    if name is None or not is_path(name):
+        return name
+    beside = path.parent / name
+    return str(beside) if is_file(beside) or is_file(beside / "robot.yaml") else name
 
 
 def _beside(path: Path, stand_in: Replacement) -> Replacement:

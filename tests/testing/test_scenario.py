@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 from humanoid_bt import UserError, Workspace, check
+from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.testing.scenario_check import checked_scenario
 from humanoid_bt.testing.seeds import Seeds
 
@@ -227,6 +229,13 @@ def test_files_are_looked_for_beside_it(folder: Path, tree: str, monkeypatch: py
     file = path.parent / tree
     file.parent.mkdir(exist_ok=True)
     file.write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
+    monkeypatch.chdir(folder.parent)
+    checked_scenario(path, Workspace(folder))
+
+
+def test_a_robots_folder_is_looked_for_beside_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(folder, "format: 1\ntree: stand\nrobot: ../sim/mine\nexpect: idle runs\n")
+    shutil.copytree(builtin_root() / "sim" / "humanoid", folder / "sim" / "mine")
     monkeypatch.chdir(folder.parent)
     checked_scenario(path, Workspace(folder))
 
