@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -18,6 +19,7 @@ _UNEVEN = 0.2  # m that one foot may be from the mirror image of the other
 _LOW = 0.1  # of a robot's height that its feet may be above what is lowest of it
 _TOES = 0.02  # m that a foot may end above its toes
 _ARM_JOINTS = 3  # that an arm has at least
+_FINGER = re.compile(r"finger|thumb|gripper|jaw|claw", re.IGNORECASE)
 _OUTWARD: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 
@@ -209,10 +211,17 @@ class Surveyor:
         return found
 
     def _hand(self, first: int) -> Limb:
-        """Return the arm that begins with a body: the hand is where it ends, or where fingers begin."""
+        """Return the arm that begins with a body: the hand is where it ends, or where fingers begin.
+
+        Where there is more than one they are told by that; one alone, of a gripper, by its name.
+        """
         joints, body = list(self._joints(first)), first
         while len(self._children[body]) == 1:
-            (body,) = self._children[body]
+            (beyond,) = self._children[body]
+            names = [self.model.joint(joint).name for joint in self._joints(beyond)]
+            if len(joints) >= _ARM_JOINTS and any(map(_FINGER.search, names)):
+                break
+            body = beyond
             joints += self._joints(body)
         fingers = [j for child in self._children[body] for part in self._subtree(child) for j in self._joints(part)]
         return Limb(body, tuple(joints), tuple(fingers), int(self.model.body_parentid[first]))

@@ -320,17 +320,18 @@ def test_actuators_are_read_as_mujoco_does(tmp_path: Path, actuators: str, stiff
     assert (drive.stiffness, drive.torque) == (stiffness, torque)
 
 
-def test_fingers_are_told_from_arms(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+@pytest.mark.parametrize("names", [["finger_0", "finger_1"], ["part_0", "part_1"], ["gripper_joint"]])
+def test_fingers_are_told_from_arms(spec: mujoco.MjSpec, adopt: Adopt, names: list[str]) -> None:
     for side in SIDES:
         hand = spec.body(f"{side}_hand")
-        for number, y in enumerate((-0.02, 0.02)):
-            finger = hand.add_body(name=f"{side}_finger_{number}", pos=[0, y, -0.15])
-            finger.add_joint(name=f"{side}_finger_{number}", axis=[0, 1, 0], range=[0, 1])
+        for name, y in zip(names, (-0.02, 0.02), strict=False):
+            finger = hand.add_body(name=f"{side}_{name}", pos=[0, y, -0.15])
+            finger.add_joint(name=f"{side}_{name}", axis=[0, 1, 0], range=[0, 1])
             finger.add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.008, 0.02, 0], pos=[0, 0, -0.03], mass=0.05)
     description, found = adopt(spec)
     assert {side: found.hands[side].body for side in SIDES} == {side: f"{side}_hand" for side in SIDES}
-    assert found.groups["left_fingers"] == ["left_finger_0", "left_finger_1"]
-    assert "left arm: 7 joints, 2 of fingers, hand left_hand" in description.found
+    assert found.groups["left_fingers"] == [f"left_{name}" for name in names]
+    assert f"left arm: 7 joints, {len(names)} of fingers, hand left_hand" in description.found
 
 
 def test_an_ankle_without_roll_is_told_and_does_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
