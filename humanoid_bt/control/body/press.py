@@ -46,7 +46,7 @@ class Press:
             force: what pushes it, world frame, shape (3,) [N].
         """
         if self._point is None or math.dist(target, self._target) > _ELSEWHERE:
-            self._point, self._target = palm.copy(), target.copy()
+            self._point, self._target = palm, target.copy()
             self._touches, self._asked = False, _TOUCHES
         rest = target - self._point
         length = math.sqrt(rest @ rest)
