@@ -68,9 +68,28 @@ def test_a_push_to_the_side_is_caught_by_the_other_foot_first(catching: Catching
     )
 
 
-def test_a_foot_is_not_chosen_that_cannot_get_there(catching: Catching) -> None:
-    """The DCM is so far ahead of the right foot that the left one, far behind, does not reach it in a quick step."""
-    far_behind = {"left": np.array([-0.3, 0.09, 0.0]), "right": np.array([0.0, -0.09, 0.0])}
-    step = catching.step(np.array([0.14, -0.09]), far_behind, {"left": 150.0, "right": 250.0}, OMEGA)
+@pytest.mark.parametrize("way", [1.0, -1.0], ids=["ahead", "back"])
+def test_a_foot_is_not_chosen_that_cannot_get_there(catching: Catching, way: float) -> None:
+    """The DCM is so far from the left foot that the right one, which carries less, does not reach it from there."""
+    far = {"left": np.array([-0.3 * way, 0.09, 0.0]), "right": np.array([0.0, -0.09, 0.0])}
+    step = catching.step(np.array([0.14 * way, -0.09]), far, {"left": 250.0, "right": 150.0}, OMEGA)
     assert step is not None
-    assert step[0] == "left"  # the right one would leave a support that is much farther behind
+    assert step[0] == "left"
+
+
+@pytest.mark.parametrize(
+    ("aside", "load", "steps"), [(0.14, 150.0, "right"), (0.20, 140.0, "left")], ids=["it misses", "it is as good"]
+)
+def test_the_foot_that_carries_less_steps_where_it_lands_as_well(
+    catching: Catching, aside: float, load: float, steps: Side
+) -> None:
+    step = catching.step(np.array([0.0, aside]), feet(), {"left": load, "right": 400.0 - load}, OMEGA)
+    assert step is not None
+    assert step[0] == steps
+
+
+@pytest.mark.parametrize("other", [300.0, 0.0])
+def test_the_weight_gets_no_time_to_leave_a_foot_that_seems_to_pull_or_to_carry_nothing(
+    catching: Catching, other: float
+) -> None:
+    assert catching.step(np.array([0.11, 0.0]), feet(), {"left": -20.0, "right": other}, OMEGA) == ("left", 0.0)
