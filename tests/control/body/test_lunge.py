@@ -96,4 +96,13 @@ def test_a_waist_that_does_not_roll_leaves_the_trunk_as_the_pelvis_is(robot: Rob
 
 def test_a_robot_that_is_not_to_lunge_does_not(robot: RobotModel) -> None:
     upright = RobotModel(replace(robot.config, gait=replace(robot.config.gait, lunge=0.0)))
-    assert not go_on(Lunge(upright, DT), ASIDE, 0.3).any()
+    lunge = Lunge(upright, DT)
+    assert not go_on(lunge, ASIDE, 0.3).any()
+    assert not lunge.active
+
+
+def test_it_begins_anew_after_it_was_cut_short(lunge: Lunge, robot: RobotModel) -> None:
+    go_on(lunge, ASIDE, 0.1)
+    lunge.reset()
+    assert not lunge.active
+    np.testing.assert_array_equal(go_on(lunge, ASIDE, 0.1), go_on(Lunge(robot, DT), ASIDE, 0.1))
