@@ -70,8 +70,8 @@ class LeanReference:
 
 
 def _turns(robot: RobotModel, joint: int, axis: int) -> tuple[float, float]:
-    """Return from where to where a joint turns about an axis of the robot (0: x, 1: y), at most half round [rad]."""
-    low, high = max(-math.pi, robot.lower.item(joint)), min(robot.upper.item(joint), math.pi)
+    """Return from where to where a joint turns about an axis of the robot (0: x, 1: y) [rad]."""
+    low, high = robot.lower.item(joint), robot.upper.item(joint)
     return (-high, -low) if robot.axes[joint, axis] < 0 else (low, high)
 
 

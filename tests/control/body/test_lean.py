@@ -30,11 +30,13 @@ def below(angle: float, direction: float = 0.0) -> Array:
     return EYES + np.array([math.cos(direction), math.sin(direction), -math.tan(angle)])
 
 
-def lean(robot: RobotModel, point: Array | None, before: LeanReference | None = None) -> LeanReference:
+def lean(
+    robot: RobotModel, point: Array | None, before: LeanReference | None = None, heading: float = 0.0
+) -> LeanReference:
     """Let the trunk come to rest."""
     reference = before or LeanReference(robot, DT)
     for _ in range(1000):
-        reference.update(point, False, EYES, BASE, 0.0)
+        reference.update(point, False, EYES, BASE, heading)
     return reference
 
 
@@ -54,6 +56,7 @@ def test_it_does_not_lean_for_what_is_aside_or_behind(neckless: RobotModel) -> N
     assert lean(neckless, below(1.0, math.pi / 2)).torso == pytest.approx(0, abs=0.05)
     for angle in (-0.5, 0.0, 1.0):
         assert lean(neckless, below(angle, math.pi)).torso == 0
+    assert lean(neckless, below(1.0, math.pi / 2), heading=math.pi / 2).torso > 0.1
 
 
 def test_the_waist_leans_first_then_the_pelvis(neckless: RobotModel, rigid: RobotModel) -> None:
@@ -81,6 +84,12 @@ def test_it_goes_slowly_stays_in_hold_and_comes_back(neckless: RobotModel) -> No
     reference = LeanReference(neckless, DT)
     reference.update(below(1.4), False, EYES, BASE, 0.0)
     assert 0 < reference.torso < 0.5 * DT
+    lean(neckless, below(1.5), reference)
+    assert reference.crouch > 0
+    reference.reset()
+    assert reference.torso == reference.crouch == 0
+    reference.update(below(1.5), False, EYES, BASE, 0.0)
+    assert 0 < reference.crouch < 0.06 * DT
     there = lean(neckless, below(1.0), reference).torso
     reference.update(None, True, EYES, BASE, 0.0)
     assert reference.torso == there
