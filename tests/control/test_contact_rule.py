@@ -101,6 +101,23 @@ def test_a_push_on_the_torso_is_only_told(touched: Touched) -> None:
     assert not rule.held
     assert not rule.yielding
     assert not touched.push(5.0, torso=(60.0, 10.0, 0.0)).held  # from behind
+    assert rule.contacts["torso"].largest == 150.0
+
+
+def test_a_contact_ends_at_less_than_it_begins_with(touched: Touched) -> None:
+    assert not touched.push(0.1, left_arm=(7.0, 0.0, 0.0)).contacts
+    assert touched.push(0.1, left_arm=(9.0, 0.0, 0.0)).contacts
+    assert touched.push(0.1, left_arm=(7.0, 0.0, 0.0)).contacts
+    assert not touched.push(0.1, left_arm=(4.0, 0.0, 0.0)).contacts
+
+
+@pytest.mark.parametrize("force", [10.0, 30.0])
+def test_a_contact_that_was_told_does_not_change_afterwards(force: float) -> None:
+    rule, pushes = ContactRule(ContactConfig()), np.array([force, 0.0, 0.0])
+    rule.look(PERIOD, {"left_arm": pushes}, None, np.zeros(2))
+    contact = rule.contacts["left_arm"]
+    pushes[:] = 0.0
+    assert contact.force.tolist() == [force, 0.0, 0.0]
 
 
 def test_what_is_in_the_way_stops_the_robot_until_it_is_gone_for_a_while(touched: Touched) -> None:
@@ -128,9 +145,12 @@ def test_what_is_in_the_way_again_and_again_blocks_the_robot_until_a_person_lets
         assert not touched.push(4.0).blocked
     rule = touched.push(0.6, torso=(-60.0, 0.0, 0.0))
     assert rule.blocked == "something is in the way of the torso: 60 N, 3 times within 20 s"
+    touched.push(11.0, torso=(-60.0, 0.0, 0.0))  # which is too long as well
+    assert rule.blocked.endswith(", 3 times within 20 s")
     assert touched.push(30.0).blocked
-    rule.forgive()
-    assert not touched.push(0.6, torso=(-60.0, 0.0, 0.0)).blocked
+    for _ in range(2):
+        rule.forgive()
+        assert not touched.push(0.6, torso=(-60.0, 0.0, 0.0)).blocked
 
 
 def test_what_is_in_the_way_now_and_then_does_not_block_it(touched: Touched) -> None:
@@ -157,3 +177,19 @@ def test_an_arm_that_yields_is_in_the_way_too(touched: Touched) -> None:
     touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
     assert not touched.push(0.6, left_arm=(-20.0, 0.0, 0.0)).held  # it does not yield yet
     assert "the left arm: 30 N" in touched.push(0.6, left_arm=(-30.0, 0.0, 0.0)).held
+
+
+def test_it_begins_anew_with_a_robot_that_nothing_touches(touched: Touched) -> None:
+    touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0), "left_hand": HandTarget(np.zeros(3), press=10.0)}
+    rule = touched.push(12.0, torso=(-60.0, 0.0, 0.0), left_arm=(-45.0, 0.0, 0.0))
+    assert rule.yielding
+    assert rule.blocked
+    rule.reset()
+    rule.look(0, {"left_arm": np.zeros(3), "torso": np.zeros(3)}, None, np.zeros(2))
+    assert not (rule.yielding or rule.pressed or rule.contacts or rule.held or rule.blocked)
+    touched.cycle = 0
+    touched.push(12.0, torso=(-60.0, 0.0, 0.0))
+    rule.reset()
+    touched.cycle = 0
+    assert not touched.push(0.4, torso=(-60.0, 0.0, 0.0)).held
+    assert touched.push(0.2, torso=(-60.0, 0.0, 0.0)).held
