@@ -118,12 +118,17 @@ def test_bench_body_tries_it_beside_the_model_based_one(robot: Path, capsys: pyt
             "mine.py:25:9: error: the body Unhurried cannot be made: TypeError: object of type 'int' has no len()",
         ),
         (
-            UNHURRIED + "\n    def reset(self, estimate):\n        raise RuntimeError('in reset')\n",
+            UNHURRIED
+            + "\n    def reset(self, estimate):\n        raise RuntimeError('in reset')\n\nclass Helper: ...\n",
             "mine.py:24:9: error: the body Unhurried cannot begin a run: RuntimeError: in reset",
         ),
         (
             UNHURRIED + "\n    period = 0.0033\n",
             "mine.py:11:1: error: the body Unhurried has a period of 0.0033 s",
+        ),
+        (
+            UNHURRIED + "\n    def __init__(self, *of):\n        super().__init__(*of)\n        self.period = 0.0\n",
+            "mine.py:11:1: error: the body Unhurried has a period of 0.0 s",
         ),
     ],
 )

@@ -104,7 +104,7 @@ SAID: Mapping[str, Callable[[str, Any], Any]] = {
 
 def _numbers(what: str, answer: Any, shape: tuple[int, ...]) -> Array:
     try:
-        values: Array = np.array(answer, dtype=float, order="C")
+        values: Array = np.array(answer, dtype=float)
     except (TypeError, ValueError) as error:
         raise Unusable(f"{what} is {_called(answer)}, it must be numbers of shape {shape}") from error
     if values.shape != shape:
