@@ -59,3 +59,14 @@ def test_a_robot_that_falls_freely_is_carried_by_nothing(robot: RobotModel, home
     load.explain(at_rest, falls, pull * jacobian[2, BASE_DOFS:], -GRAVITY)
     np.testing.assert_allclose(load.force, [-pull, 0.0], atol=0.1 * pull)
     assert load.standing == [False, False]
+
+
+def test_a_foot_stands_from_more_than_what_it_stands_up_to(robot: RobotModel, home: RobotDynamics) -> None:
+    load, weight = FootLoad(robot, home), robot.mass * GRAVITY
+    for share, stands in ((0.5, True), (0.1, True), (0.05, False), (0.1, False), (0.2, True)):
+        load.sensed(np.array([share, 1.0 - share]) * weight)
+        assert load.standing == [stands, True]
+    load.sensed(np.zeros(2))
+    load.reset()
+    assert load.standing == [True, True]
+    np.testing.assert_allclose(load.force, weight / 2)

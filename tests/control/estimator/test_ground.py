@@ -52,3 +52,18 @@ def test_a_foot_that_stands_is_not_measured_anew(ground: Ground) -> None:
     before = np.diff(ground.heights)
     ground.land(np.array([0.0, 0.05]), BOTH)
     np.testing.assert_allclose(np.diff(ground.heights), before)
+
+
+@pytest.mark.parametrize(("right", "told"), [(0.004, 0.0), (0.05, 0.05)])
+def test_a_robot_that_begins_on_a_step_stands_on_it(ground: Ground, right: float, told: float) -> None:
+    ground.land(np.zeros(2), LEFT)
+    ground.reset(np.array([0.0, right]))
+    assert ground.heights == [0.0, told]
+    ground.land(np.array([0.0, 0.1]), BOTH)  # both feet stood already
+    assert ground.heights == [0.0, told]
+
+
+def test_nothing_sinks_while_no_foot_stands(ground: Ground) -> None:
+    land(ground, 0.02)
+    ground.land(np.zeros(2), (False, False))
+    assert ground.sink(TIME) == 0.0
