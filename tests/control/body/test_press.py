@@ -53,6 +53,6 @@ def test_it_presses_gently_whenever_it_begins(elsewhere: float) -> None:
     if not elsewhere:
         press.reset()
     palm = np.array([0.0, 0.1, 0.2])
-    after = press.aim(palm + [0.3 + elsewhere, 0.0, 0.0], 50.0, palm, touches)
+    after = press.aim(palm + np.array([0.3 + elsewhere, 0.0, 0.0]), 50.0, palm, touches)
     assert -0.1 * DT <= after[0] < 0.0  # 10 N are more than it begins with
     np.testing.assert_array_equal(after[1:], palm[1:])
