@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -112,3 +113,30 @@ def test_a_hand_that_is_led_by_the_other_is_sent_somewhere_too(
     touches.targets = {"right_hand": HandTarget(AWAY), "left_hand": led}
     touches.note(contacts(plant, "world", "object_wall"), 0.0)
     assert [touch.meant for touch in touches.all] == [meant]
+
+
+def test_nothing_is_known_of_the_touches_before_it_was_placed_anew(plant: MujocoPlant, touches: Touches) -> None:
+    touches.targets = {"left_hand": HandTarget(AWAY, press=10.0)}
+    touches.note(contacts(plant, "object_wall"), 0.05)
+    for _ in range(2):
+        touches.clear()
+        assert not touches.all
+        touches.note(contacts(plant, "object_wall"), 0.0)
+        assert [touch.meant for touch in touches.all] == [False]
+
+
+def test_it_does_not_matter_which_one_of_a_contact_comes_first(plant: MujocoPlant, touches: Touches) -> None:
+    found = contacts(plant, "object_wall")
+    found.contact.geom = found.contact.geom[:, ::-1]
+    touches.note(found, 0.0)
+    assert [touch.text for touch in touches.all] == ["left hand touches wall"]
+
+
+def test_what_a_hand_carries_is_the_hand(plant: MujocoPlant) -> None:
+    config = plant.robot.config
+    left = config.hands["left"]
+    wrist = plant.model.body(int(plant.model.body(left.body).parentid[0])).name
+    touches = Touches(plant.model, replace(config, hands={"left": replace(left, body=wrist)}))
+    touches.targets = {"left_hand": HandTarget(AWAY, press=10.0)}
+    touches.note(contacts(plant, "object_wall"), 0.0)
+    assert [(touch.link, touch.meant) for touch in touches.all] == [(left.body, True)]
