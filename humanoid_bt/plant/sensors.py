@@ -158,7 +158,6 @@ class Sensors:
             else:
                 far = _JUMPS.get(name, _JUMPS["joint"])
                 row[place] += self._random.uniform(-far, far, len(row[place]))
-        self._last = row.copy()
 
     def read(self, into: Reading) -> None:
         """Copy what they say now, which was so a while ago."""

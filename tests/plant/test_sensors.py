@@ -173,9 +173,9 @@ def test_sensors_fail_as_they_are_told(config: RobotConfig, standing: Array, sen
         plant.place(standing)
         usual = [of(reading) for reading in readings(plant, standing, 10)]
         plant.fail_sensor(sensor, how)
-        said = np.array([of(reading) for reading in readings(plant, standing, 20)])[2:]  # it comes with the delay
+        last, said = np.split(np.array([of(reading) for reading in readings(plant, standing, 20)])[1:], [1])  # delayed
         if how == "frozen":
-            assert (said == said[0]).all()
+            assert (said == last).all()
         elif how == "silent":
             assert np.isnan(said).all()
         else:
@@ -190,3 +190,29 @@ def test_there_is_no_such_failure(config: RobotConfig, standing: Array) -> None:
         plant.fail_sensor("giro", "silent")
     with pytest.raises(ValueError, match="no sensor 'left_foot'"):  # in this robot
         plant.fail_sensor("left_foot", "silent")
+
+
+def test_what_fails_fails_besides_what_has_failed_already_and_alone(config: RobotConfig, standing: Array) -> None:
+    plant = plant_with(config, standing, replace(EXACT, foot_force=FootForceConfig()))
+    for sensor in ("left_knee", "right_foot", "imu"):
+        plant.fail_sensor(sensor, "silent")
+    (reading,) = readings(plant, standing, 1)
+    assert np.isnan([*reading.gyro, *reading.accelerometer, *reading.orientation]).all()
+    assert np.isnan(reading.foot_force).tolist() == [False, True]
+    for said in (reading.joint_position, reading.joint_velocity, reading.joint_torque):
+        assert np.flatnonzero(np.isnan(said)).tolist() == [plant.robot.joint("left_knee")]
+
+
+def test_an_orientation_is_off_by_its_noise(config: RobotConfig, standing: Array) -> None:
+    plant = plant_with(config, standing, replace(EXACT, orientation=replace(EXACT.orientation, noise=0.02)))
+    off = np.array([reading.orientation[1:] for reading in readings(plant, standing, 500)]) - plant.data.qpos[4:7]
+    assert 2 * off.std() == pytest.approx(0.02, rel=0.1)  # rad, about each axis
+
+
+def test_a_robot_that_is_placed_anew_is_felt_to_be_at_rest(config: RobotConfig, standing: Array) -> None:
+    plant = plant_with(config, standing, EXACT)
+    plant.push("torso", np.array([300.0, 0.0, 0.0]), 0.1)
+    readings(plant, standing, 100)
+    plant.place(standing)
+    up = -plant.model.opt.gravity[2]
+    np.testing.assert_allclose(plant.measure().accelerometer, [0.0, 0.0, up], atol=1e-3)
