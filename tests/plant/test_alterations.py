@@ -88,3 +88,46 @@ def test_what_it_is_told_is_left_as_it_was() -> None:
     command = standing.command(standing.joints.copy())
     standing.plant.step(command)
     np.testing.assert_array_equal(command.position, standing.joints)
+
+
+def test_what_it_carries_and_its_friction_are_what_was_said_last() -> None:
+    standing = Standing()
+    model, hands = standing.plant.model, [hand.body for hand in standing.robot.config.hands.values()]
+    mass, friction = model.body_mass.copy(), model.geom_friction.copy()
+    for payload, carried, grip in ((3.0, 1.0, 0.5), (3.0, 2.0, 0.5), (0.0, 0.0, 1.0)):
+        standing.plant.alter(payload=payload, hand_payload=carried, friction=grip)
+        expected = mass.copy()
+        expected[model.body(standing.robot.config.torso).id] += payload
+        expected[[model.body(hand).id for hand in hands]] += carried
+        np.testing.assert_allclose(model.body_mass, expected)
+        assert model.body_subtreemass[0] == pytest.approx(expected.sum())
+        np.testing.assert_allclose(model.geom_friction, grip * friction)
+
+
+def test_weak_drives_give_a_part_of_what_they_are_asked_for_and_of_the_largest() -> None:
+    standing = Standing()
+    robot, plant, zeros = standing.robot, standing.plant, np.zeros_like(standing.joints)
+    plant.alter(drives=0.5)
+    for strength in (0.5, 1.0):
+        plant.place(standing.start)
+        if strength < 1:
+            plant.set_strength(zeros + strength)
+        for stiffness, damping in (
+            (robot.stiffness, robot.damping),
+            (robot.stiffness, 0.1 * robot.damping),
+            (0.1 * robot.stiffness, robot.damping),
+        ):
+            before = plant.measure()
+            command = JointCommand(before.joint_position + 0.01, zeros + 0.1, stiffness, damping, zeros + 1.0)
+            asked = stiffness * 0.01 + damping * (0.1 - before.joint_velocity) + 1.0
+            plant.step(command)
+            given = np.clip(asked, -robot.torque_limit, robot.torque_limit)
+            np.testing.assert_allclose(plant.measure().joint_torque, 0.5 * strength * given, atol=1e-9)
+
+
+def test_the_last_command_of_a_run_is_heard_as_the_first_of_the_next() -> None:
+    standing = Standing()
+    command = standing.command(torque=2.0)
+    (first,) = standing.torques([command])
+    standing.plant.place(standing.start)
+    assert standing.torques([command]) == [first]

@@ -16,7 +16,7 @@ from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig, StartConfig, load_scene
 from humanoid_bt.robot.config import load_robot_config
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, sole_site
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 from tests.sensors import exact
 
 SIM = Path(__file__).resolve().parents[2] / "sim"
@@ -156,6 +156,9 @@ def test_a_push_is_reported_and_ends(plant: MujocoPlant, robot: RobotModel, upri
         acted += bool(plant.data.xfrc_applied.any())
     assert acted == 30
     assert plant.external_force_max == 40
+    plant.push("torso", np.array([0, 10.0, 0.0]), 0.01)
+    plant.step(hold(robot, upright[BASE_COORDINATES:]))
+    assert plant.external_force_max == 40
     assert plant.data.qvel[1] < 0
 
 
@@ -172,6 +175,18 @@ def test_a_force_that_somebody_else_applies_is_found_too(plant: MujocoPlant) -> 
     plant.data.qfrc_applied[2] = 25.0
     plant.note_external_force()
     assert plant.external_force_max == 25
+
+
+def test_the_truth_is_of_now(plant: MujocoPlant, robot: RobotModel, upright: Array) -> None:
+    plant.push("torso", np.array([200.0, 0.0, 0.0]), 0.1)
+    for _ in range(100):
+        plant.step(hold(robot, upright[BASE_COORDINATES:]))
+    truth, now = plant.truth(), mujoco.MjData(plant.model)
+    now.qpos[:] = plant.data.qpos
+    mujoco.mj_kinematics(plant.model, now)
+    np.testing.assert_array_equal(truth.gaze_position, now.site(GAZE_SITE).xpos)
+    np.testing.assert_array_equal(truth.base_position, now.qpos[:3])
+    assert truth.time == plant.time == 0.1
 
 
 def test_pushing_a_body_that_is_not_there_names_the_nearest(plant: MujocoPlant) -> None:
@@ -227,6 +242,8 @@ def test_objects_are_where_the_scene_has_them(robot: RobotModel, upright: Array,
     plant.move_objects()
     plant.step(hold(robot, upright[BASE_COORDINATES:]))
     np.testing.assert_allclose(plant.data.body("object_ball").xpos, [2, 0, 1])
+    plant.place(upright)
+    np.testing.assert_allclose(plant.data.body("object_ball").xpos, [1, 0, 1])
     assert len(plant.measure().joint_position) == len(upright) - BASE_COORDINATES
 
 

@@ -140,3 +140,10 @@ def test_what_a_hand_carries_is_the_hand(plant: MujocoPlant) -> None:
     touches.targets = {"left_hand": HandTarget(AWAY, press=10.0)}
     touches.note(contacts(plant, "object_wall"), 0.0)
     assert [(touch.link, touch.meant) for touch in touches.all] == [(left.body, True)]
+
+
+def test_placing_the_robot_anew_forgets_what_it_touched(plant: MujocoPlant) -> None:
+    plant.touches.note(contacts(plant, "object_wall"), 0.0)
+    assert plant.touches.all
+    plant.place(plant.robot.home_qpos)
+    assert not plant.touches.all

@@ -42,7 +42,8 @@ def test_it_gives_way_to_a_blow_no_faster_than_ever_and_keeps_to_its_way() -> No
             before, point = point, press.aim(np.array(target), 10.0, point, np.array([-60.0, 0.0, 0.0]))
             assert before[0] - point[0] == pytest.approx(0.1 * DT)
             assert point[1] == 0.0
-    assert press.aim(np.array([0.3, 0.04, 0.0]), 10.0, point, np.zeros(3))[1] == 0.0  # nor where it has bounced off
+    for _ in range(10):  # nor where it has bounced off
+        assert press.aim(np.array([0.3, 0.04, 0.0]), 10.0, point, np.zeros(3))[1] == 0.0
 
 
 @pytest.mark.parametrize("elsewhere", [0.0, 0.1], ids=["after it was let go", "elsewhere"])
@@ -52,7 +53,7 @@ def test_it_presses_gently_whenever_it_begins(elsewhere: float) -> None:
         point = press.aim(np.array([0.3, 0.0, 0.0]), 50.0, point, touches)
     if not elsewhere:
         press.reset()
-    palm = np.array([0.0, 0.1, 0.2])
+    palm = np.array([0.0, 0.02, 0.02])
     after = press.aim(palm + np.array([0.3 + elsewhere, 0.0, 0.0]), 50.0, palm, touches)
     assert -0.1 * DT <= after[0] < 0.0  # 10 N are more than it begins with
     np.testing.assert_array_equal(after[1:], palm[1:])
