@@ -78,15 +78,14 @@ class HandGoals:
                 self._presses[side].reset()
                 continue
             target = targets.get(f"{side}_hand") or (None if hold else self._arms.away(side))
-            hand = target if isinstance(target, HandTarget) else None
+            hand = self._pressing(side, target if isinstance(target, HandTarget) else None, hold)
             if hand is None and reference.free:
-                self._presses[side].reset()
                 continue
             if reference.relative if hold else hand is not None and hand.relative:
                 followers[side] = hand
                 continue
             found = reference.update(
-                self._pressing(side, hand, hold),
+                hand,
                 hold,
                 self._dynamics.palm(side),
                 self._planned.palm(side),
@@ -105,7 +104,7 @@ class HandGoals:
     def _pressing(self, side: Side, hand: HandTarget | None, hold: bool) -> HandTarget | None:
         """Return where a palm is to go: one that presses only as far as its force asks for."""
         press = self._presses[side]
-        if hand is None or hold or not hand.press:
+        if hand is None or hold or hand.relative or not hand.press:
             press.reset()
             return hand
         force = self._contact.forces[f"{side}_arm"]
