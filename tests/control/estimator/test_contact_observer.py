@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import TORSO, Array, BaseTarget, Gait, HandTarget
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.estimator.contact_observer import ContactObserver
+from humanoid_bt.core.messages import TORSO, Array, BaseTarget, Estimate, Gait, HandTarget
+from humanoid_bt.robot.model import RobotModel, palm_site
 from tests.control.control_rig import ControlRig
 
 AHEAD = {"left_hand": HandTarget(np.array([0.3, 0.2, 0.9]))}
@@ -107,3 +111,59 @@ def test_forgets_what_it_felt_when_a_sensor_fails(rig: ControlRig) -> None:
     rig.plant.fail_sensor("gyro", "silent")
     rig.run(0.1, {})
     assert not any(force.any() for force in rig.controller.estimator.contact.forces.values())
+
+
+class Weighed:
+    """An observer of a humanoid that rests at home with a weight at its left hand."""
+
+    def __init__(self, robot: RobotModel) -> None:
+        joints = len(robot.joint_names)
+        self.dynamics = RobotDynamics(robot)
+        self.dynamics.update(Estimate(0.0, robot.home_qpos, np.zeros(6 + joints), np.zeros(joints), np.zeros(2)))
+        self.observer = ContactObserver(robot, self.dynamics)
+        self.observer.reset()
+        self._lifts = np.zeros((3, 6 + joints))
+        palm = robot.model.site(palm_site("left")).id
+        mujoco.mj_jacSite(self.dynamics.model, self.dynamics.data, self._lifts, None, palm)
+
+    def carried(self, kilograms: float) -> Array:
+        """Return the torques that hold so much, shape (nj,) [Nm]."""
+        return kilograms * GRAVITY * self._lifts[2, 6:]
+
+    def felt(self, kilograms: float, seconds: float) -> float:
+        """Hang so much at the hand; return with which force it is pushed up after a while [N]."""
+        at_rest, torque = np.zeros_like(self.dynamics.bias), self.dynamics.bias[6:] + self.carried(kilograms)
+        for _ in range(round(seconds / 0.005)):
+            self.observer.update(at_rest, torque, 0.005)
+        return float(self.observer.forces["left_arm"][2])
+
+
+@pytest.fixture
+def weighed(robot: RobotModel) -> Weighed:
+    return Weighed(robot)
+
+
+@pytest.mark.parametrize(("hangs", "carried"), [(2.0, 2.0), (8.0, 6.0)])
+def test_what_hangs_at_a_hand_is_carried_up_to_what_a_hand_may_carry(
+    weighed: Weighed, hangs: float, carried: float
+) -> None:
+    assert weighed.felt(hangs, 20.0) == pytest.approx((carried - hangs) * GRAVITY, rel=0.15, abs=0.5)
+    torques = weighed.observer.torques_of_carried("left")
+    np.testing.assert_allclose(torques, weighed.carried(carried), atol=0.05)
+
+
+def test_it_learns_anew_what_a_hand_carries_after_a_reset(weighed: Weighed) -> None:
+    first = weighed.felt(2.0, 0.3)
+    weighed.felt(2.0, 10.0)
+    weighed.observer.distrust({"left_arm"})
+    weighed.observer.reset()
+    assert not weighed.observer.torques_of_carried("left").any()
+    assert not any(force.any() for force in weighed.observer.forces.values())
+    assert weighed.felt(2.0, 0.3) == pytest.approx(first)
+
+
+def test_what_touches_a_hand_is_nothing_that_it_carries(weighed: Weighed) -> None:
+    weighed.observer.distrust({"left_arm"})
+    assert weighed.felt(2.0, 10.0) == pytest.approx(-2.0 * GRAVITY, rel=0.15)
+    weighed.observer.distrust({"right_arm"})
+    assert weighed.felt(2.0, 20.0) == pytest.approx(0.0, abs=0.5)
