@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.yielding import YieldingArms
 from humanoid_bt.core.messages import Array, HandTarget, Mode, State
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.happenings import Happenings
@@ -14,6 +17,7 @@ from tests.control.control_rig import ControlRig
 from tests.safety.contact_trials import LATER, Wall, into_wall
 from tests.safety.machine import Machine
 
+DT = 0.005
 HAND = {"right_hand": HandTarget(np.array([0.3, -0.2, 0.9]))}
 
 
@@ -211,3 +215,74 @@ def test_an_arm_that_is_pushed_to_its_stops_is_stopped_by_its_drives(rig: Contro
     assert rig.state.contacts["left_arm"].yields
     assert min(nearest) > 0.02
     assert max(pushes[100:]) < -20.0
+
+
+class Arm:
+    """The arms of a robot whose plan is at home, and whose left arm sags."""
+
+    def __init__(self, robot: RobotModel) -> None:
+        self.home = robot.home_qpos[7:].copy()
+        self.own = robot.arm_joints("left")
+        self.qpos = robot.home_qpos.copy()
+        self.qpos[np.array(self.own) + 7] += 0.1
+        self.joints, self.still = self.home.copy(), []
+        self.forces = {"left_arm": np.zeros(3)}
+        dynamics: Any = SimpleNamespace(palm=lambda side: np.zeros(3))
+        self.arms = YieldingArms(robot, dynamics, self, DT)
+
+    def follow(self, joints: list[int], measured: Array, share: float) -> None:
+        self.joints[joints] += share * (measured - self.joints[joints])
+
+    def torques_of_carried(self, side: str) -> Array:
+        return np.zeros_like(self.home)
+
+    def go_on(self, seconds: float, *force: float, yields: bool = False, wanted: tuple[str, ...] = ()) -> None:
+        self.arms.sides = frozenset({"left"} if yields else ())
+        self.forces["left_arm"] = np.array(force or (0.0, 0.0, 0.0))
+        for _ in range(round(seconds / DT)):
+            self.arms.update(self.qpos, self, wanted)
+
+    def posture(self, hold: bool = False) -> Array:
+        """Return where the arm's joints are wanted when all else is, shape (joints of the arm,) [rad]."""
+        posture = self.home.copy()
+        self.arms.keep(posture, self.home, hold)
+        return posture[self.own]
+
+
+@pytest.fixture
+def arm(robot: RobotModel) -> Arm:
+    return Arm(robot)
+
+
+def test_an_arm_that_yields_again_stays_where_it_is_left(arm: Arm) -> None:
+    arm.go_on(0.05, 0.0, 30.0, 0.0, yields=True)
+    arm.go_on(DT)
+    before = arm.joints.copy()
+    assert (before[arm.own] > arm.home[arm.own]).all()
+    arm.go_on(1.0, yields=True)
+    np.testing.assert_array_equal(arm.joints, before)
+
+
+def test_an_arm_moves_away_from_what_pushed_it_hardest(arm: Arm) -> None:
+    arm.go_on(0.1, 0.0, 30.0, 0.0, yields=True)
+    arm.go_on(0.1, 10.0, 0.0, 0.0, yields=True)
+    assert arm.arms.away("left") is None
+    arm.go_on(0.4)
+    away = arm.arms.away("left")
+    assert away is not None
+    assert away.position == pytest.approx([0.0, 0.1, 0.0])
+    arm.go_on(DT, wanted=("left_hand",))
+    assert arm.arms.away("left") is None
+    assert not arm.arms.homeward  # nor does it go home
+
+
+def test_an_arm_goes_home_slowly_but_not_while_the_robot_is_held(arm: Arm) -> None:
+    arm.go_on(0.5, 0.0, 30.0, 0.0, yields=True)
+    arm.posture()
+    arm.go_on(0.4)
+    while arm.arms.away("left") is not None:
+        arm.posture()
+    there = arm.posture(hold=True)
+    assert (there > arm.home[arm.own] + 0.05).all()
+    np.testing.assert_array_equal(arm.posture(hold=True), there)
+    np.testing.assert_allclose(arm.posture(), there - 0.3 * DT)
