@@ -107,22 +107,25 @@ def test_what_it_carries_and_its_friction_are_what_was_said_last() -> None:
 def test_weak_drives_give_a_part_of_what_they_are_asked_for_and_of_the_largest() -> None:
     standing = Standing()
     robot, plant, zeros = standing.robot, standing.plant, np.zeros_like(standing.joints)
+
+    def give(command: JointCommand, share: float) -> bool:
+        before = plant.measure()
+        asked = command.stiffness * (command.position - before.joint_position) + command.torque
+        asked += command.damping * (command.velocity - before.joint_velocity)
+        plant.step(command)
+        given = share * np.clip(asked, -robot.torque_limit, robot.torque_limit)
+        return np.allclose(plant.measure().joint_torque, given, atol=1e-9)
+
     plant.alter(drives=0.5)
-    for strength in (0.5, 1.0):
+    for stiffness, damping in ((1.0, 1.0), (1.0, 0.1), (0.1, 1.0)):
         plant.place(standing.start)
-        if strength < 1:
-            plant.set_strength(zeros + strength)
-        for stiffness, damping in (
-            (robot.stiffness, robot.damping),
-            (robot.stiffness, 0.1 * robot.damping),
-            (0.1 * robot.stiffness, robot.damping),
-        ):
-            before = plant.measure()
-            command = JointCommand(before.joint_position + 0.01, zeros + 0.1, stiffness, damping, zeros + 1.0)
-            asked = stiffness * 0.01 + damping * (0.1 - before.joint_velocity) + 1.0
-            plant.step(command)
-            given = np.clip(asked, -robot.torque_limit, robot.torque_limit)
-            np.testing.assert_allclose(plant.measure().joint_torque, 0.5 * strength * given, atol=1e-9)
+        gains = robot.stiffness * stiffness, robot.damping * damping
+        command = JointCommand(standing.joints + 0.01, zeros + 0.1, *gains, zeros + 1.0)
+        assert give(command, 0.5)
+        plant.set_strength(zeros + 0.6)  # of which the command that they have knows nothing
+        assert give(command, 0.3)
+        assert give(replace(command, damping=2 * gains[1]), 0.3)
+        assert give(replace(command, torque=zeros - 1e4), 0.3)
 
 
 def test_the_last_command_of_a_run_is_heard_as_the_first_of_the_next() -> None:
