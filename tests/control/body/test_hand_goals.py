@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,7 @@ DT = 0.005
 PALMS = {side: np.array([0.3, y, 1.0]) for side, y in zip(SIDES, (0.2, -0.2), strict=True)}
 PRESSING = {"left_hand": HandTarget(np.array([0.6, 0.2, 1.0]), press=40.0)}
 LEADS = {"right_hand": HandTarget(PALMS["right"])}
+LED = {"left_hand": HandTarget(np.array([0.0, 0.6, 0.0]), relative=True)}
 
 
 @pytest.fixture
@@ -66,7 +68,33 @@ def test_a_palm_that_is_to_press_again_begins_gently_where_it_is(
 def test_all_palms_are_let_go_of_at_the_beginning_of_a_run(goals: HandGoals) -> None:
     goes_on(goals, PRESSING, periods=200)
     goals.reset()
-    assert goes_on(goals, {}) is None
     again = goes_on(goals, PRESSING, periods=20)
     assert again is not None
     assert again[0] <= PALMS["left"][0]
+    goals.reset()
+    assert goes_on(goals, {}) is None
+
+
+def test_a_palm_that_is_led_stays_so_in_a_hold(goals: HandGoals) -> None:
+    led = goes_on(goals, LEADS | LED, periods=200)
+    assert led is not None
+    assert led[1] > PALMS["left"][1] + 0.02
+    np.testing.assert_allclose(goes_on(goals, {}, hold=True, periods=20), led)
+
+
+def test_a_palm_is_let_go_of_while_the_one_that_leads_it_yields(goals: HandGoals, arms: SimpleNamespace) -> None:
+    led = goes_on(goals, LEADS | LED, periods=200)
+    assert led is not None
+    arms.sides = frozenset({"right"})
+    assert goes_on(goals, LED) is None
+    arms.sides = frozenset()
+    again = goes_on(goals, LEADS | LED)
+    assert again is not None
+    assert again[1] < led[1] - 0.01  # from where it is
+
+
+def test_a_palm_that_is_led_presses_on_nothing(robot: RobotModel, goals: HandGoals) -> None:
+    led = goes_on(goals, LEADS | LED, periods=50)
+    goals.reset()
+    pressing = {"left_hand": replace(LED["left_hand"], press=20.0)}
+    np.testing.assert_array_equal(goes_on(goals, LEADS | pressing, periods=50), led)
