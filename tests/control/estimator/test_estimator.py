@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.estimator.invariant_filter import InvariantFilter
 from humanoid_bt.core.clock import ESTIMATE_PERIOD, cycles
-from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
+from humanoid_bt.core.messages import SIDES, BaseTarget, Estimate, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel, foot_sensor, sole_site
 from humanoid_bt.robot.sensor_config import FootForceConfig
@@ -240,3 +241,65 @@ def test_after_a_silence_it_is_known_again_how_the_robot_moves(
     rig.run(0.3, WALK, lambda _: log(None), lambda: tilts.append(estimator.estimate.qpos[4:6] - data.qpos[4:6]))
     assert np.sqrt((np.array(log.velocity)[:, :2] ** 2).sum(axis=1).mean()) < 0.04
     assert np.abs(2 * np.array(tilts)).max() < 0.02
+
+
+class Told:
+    """An estimator of a robot that stands, and what its sensors say: that nothing but gravity acts, not even drives."""
+
+    def __init__(self, robot: RobotModel, standing: np.ndarray) -> None:
+        self.reading = Reading(len(robot.joint_names))
+        self.reading.orientation[:], self.reading.joint_position[:] = standing[3:7], standing[7:]
+        self.reading.accelerometer[2] = GRAVITY
+        self.estimator = Estimator(robot, RobotDynamics(robot))
+        self.estimator.reset(self.reading, (0.0, 0.0, 0.0))
+
+    def take(self, *periods: int, ahead: float = 0.0) -> None:
+        """Tell so many servo periods in each of these cycles, in which the base accelerates ahead [m/s^2]."""
+        self.reading.accelerometer[0] = ahead
+        for self.reading.passed in periods:
+            self.estimator.take(self.reading)
+
+    def update(self) -> Estimate:
+        joints = len(self.reading.joint_position)
+        return self.estimator.update(self.reading, np.zeros((3, joints)))
+
+    @property
+    def feels(self) -> bool:
+        """Whether it feels anything touch the robot after an update."""
+        self.update()
+        return any(force.any() for force in self.estimator.contact.forces.values())
+
+
+@pytest.fixture
+def told(robot: RobotModel, standing: np.ndarray) -> Told:
+    return Told(robot, standing)
+
+
+def test_a_reading_stands_for_all_the_time_that_it_tells_of(told: Told) -> None:
+    told.take(1, ahead=1.0)
+    told.take(0, 0, 3, ahead=2.0)
+    assert told.estimator.heard == 4
+    assert told.update().qvel[0] == pytest.approx(0.001 * 1.0 + 0.003 * 2.0, rel=1e-3)
+    assert told.estimator.heard == 0
+
+
+def test_time_that_was_missed_does_not_count_again_when_a_reading_tells_of_it(told: Told) -> None:
+    told.take(1, 0, 0)
+    told.estimator.miss(told.reading)
+    assert told.estimator.heard == 0
+    told.take(4)
+    assert told.estimator.heard == 1
+    told.take(2)
+    assert told.estimator.heard == 3
+
+
+@pytest.mark.parametrize(
+    ("periods", "feels"), [((0, 0, 3), True), ((3,), True), ((0, 0, 0, 1), False), ((4,), False), ((4, 1), False)]
+)
+def test_after_a_gap_it_is_not_known_what_touches_the_robot(told: Told, periods: tuple[int, ...], feels: bool) -> None:
+    told.take(1, 1, 1, 1, 1)
+    assert told.feels
+    told.take(*periods)
+    assert told.feels == feels
+    told.take(1)
+    assert told.feels

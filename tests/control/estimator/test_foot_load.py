@@ -70,3 +70,21 @@ def test_a_foot_stands_from_more_than_what_it_stands_up_to(robot: RobotModel, ho
     load.reset()
     assert load.standing == [True, True]
     np.testing.assert_allclose(load.force, weight / 2)
+
+
+@pytest.mark.parametrize("right", [0.5, 0.05], ids=["it is carried by the other one", "nothing else carries it"])
+def test_what_no_leg_says_that_it_carries_is_given_to_them_and_nothing_where_one_says_it(
+    robot: RobotModel, home: RobotDynamics, right: float
+) -> None:
+    load, at_rest, weight = FootLoad(robot, home), np.zeros(len(home.bias)), robot.mass * GRAVITY
+    shares, torque = (-0.2, right), home.bias[BASE_DOFS:].copy()
+    jacobian = np.zeros((3, len(at_rest)))
+    for side, share in zip(SIDES, shares, strict=True):
+        mujoco.mj_jacSite(home.model, home.data, jacobian, None, robot.model.site(sole_site(side)).id)
+        torque -= share * weight * jacobian[2, BASE_DOFS:]
+    load.explain(at_rest, at_rest, torque, 0.0)
+    if right < 0.1:
+        assert -0.2 * weight < load.force[0]
+        assert right * weight < load.force.sum() < 1.01 * weight
+    else:
+        np.testing.assert_allclose(load.force, np.array(shares) * weight, atol=0.03 * weight)
