@@ -274,12 +274,19 @@ def test_an_arm_moves_away_from_what_pushed_it_hardest(arm: Arm) -> None:
     arm.go_on(DT, wanted=("left_hand",))
     assert arm.arms.away("left") is None
     assert not arm.arms.homeward  # nor does it go home
+    arm.go_on(0.1, 10.0, 0.0, 0.0, yields=True)
+    arm.go_on(0.4)
+    again = arm.arms.away("left")
+    assert again is not None
+    assert again.position == pytest.approx([0.1, 0.0, 0.0])
 
 
 def test_an_arm_goes_home_slowly_but_not_while_the_robot_is_held(arm: Arm) -> None:
-    arm.go_on(0.5, 0.0, 30.0, 0.0, yields=True)
+    arm.go_on(0.1, 0.0, 30.0, 0.0, yields=True)
     arm.posture()
-    arm.go_on(0.4)
+    arm.go_on(0.2)
+    np.testing.assert_array_equal(arm.posture(), arm.joints[arm.own])  # whose plan still comes to where it is
+    arm.go_on(0.2)
     while arm.arms.away("left") is not None:
         arm.posture()
     there = arm.posture(hold=True)
