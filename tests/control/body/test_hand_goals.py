@@ -71,8 +71,22 @@ def test_all_palms_are_let_go_of_at_the_beginning_of_a_run(goals: HandGoals) -> 
     again = goes_on(goals, PRESSING, periods=20)
     assert again is not None
     assert again[0] <= PALMS["left"][0]
-    goals.reset()
-    assert goes_on(goals, {}) is None
+
+
+@pytest.mark.parametrize("yields", [True, False], ids=["it yielded", "a run begins"])
+def test_a_palm_goes_on_from_where_it_is_when(goals: HandGoals, arms: SimpleNamespace, yields: bool) -> None:
+    reaching = {"left_hand": HandTarget(np.array([0.6, 0.2, 1.0]))}
+    far = goes_on(goals, reaching, periods=200)
+    assert far is not None
+    if yields:
+        arms.sides = frozenset({"left"})
+        assert goes_on(goals, {}) is None
+        arms.sides = frozenset()
+    else:
+        goals.reset()
+    again = goes_on(goals, reaching)
+    assert again is not None
+    assert again[0] < far[0] - 0.02
 
 
 def test_a_palm_that_is_led_stays_so_in_a_hold(goals: HandGoals) -> None:
