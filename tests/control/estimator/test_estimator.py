@@ -11,7 +11,7 @@ import pytest
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.estimator.estimator import Estimator
-from humanoid_bt.control.estimator.invariant_filter import InvariantFilter
+from humanoid_bt.control.estimator.invariant_filter import FREE, InvariantFilter
 from humanoid_bt.core.clock import ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, BaseTarget, Estimate, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
@@ -293,8 +293,17 @@ def test_time_that_was_missed_does_not_count_again_when_a_reading_tells_of_it(to
     assert told.estimator.heard == 3
 
 
+def test_the_robot_goes_on_moving_for_all_the_time_that_was_missed(told: Told) -> None:
+    told.take(1, 1, 1, 1, 1, ahead=1.0)
+    before = told.update().qpos[0]
+    told.take(1, 0, 0)
+    told.estimator.miss(told.reading)
+    told.take(1)
+    assert told.update().qpos[0] - before == pytest.approx(0.005 * 0.005, rel=0.01)
+
+
 @pytest.mark.parametrize(
-    ("periods", "feels"), [((0, 0, 3), True), ((3,), True), ((0, 0, 0, 1), False), ((4,), False), ((4, 1), False)]
+    ("periods", "feels"), [((0, 0, 3), True), ((3,), True), ((0, 0, 0, 1), False), ((4,), False), ((4, 2), False)]
 )
 def test_after_a_gap_it_is_not_known_what_touches_the_robot(told: Told, periods: tuple[int, ...], feels: bool) -> None:
     told.take(1, 1, 1, 1, 1)
@@ -303,3 +312,22 @@ def test_after_a_gap_it_is_not_known_what_touches_the_robot(told: Told, periods:
     assert told.feels == feels
     told.take(1)
     assert told.feels
+
+
+def test_a_sole_that_seems_to_slide_for_long_is_believed_again(told: Told, monkeypatch: pytest.MonkeyPatch) -> None:
+    load, belief, slips = told.estimator.load, told.estimator._filter, []
+
+    def carried(*_: object) -> None:
+        load.force[:], load.standing[:] = (1000.0, 0.0), (True, False)
+
+    monkeypatch.setattr(load, "explain", carried)
+    monkeypatch.setattr(belief, "slides", lambda soles: np.array([1.0, 0.0]))
+    monkeypatch.setattr(belief, "doubt", lambda time, slip: slips.append(slip[0]))
+    noise, exact = np.random.default_rng(0), told.reading.values.copy()
+    for _ in range(120):
+        told.reading.values[:] = exact + 1e-4 * noise.standard_normal(len(exact))  # what never changes is broken
+        told.take(1, 1, 1, 1, 1)
+        told.update()
+    free = slips.count(FREE)
+    assert free * 3 * ESTIMATE_PERIOD == pytest.approx(0.3, abs=0.02)
+    assert slips == [FREE] * free + [1.0] * (len(slips) - free)
