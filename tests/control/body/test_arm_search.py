@@ -49,14 +49,18 @@ def with_arm(robot: RobotModel, qpos: Array, angles: Array) -> Array:
 def drawn(robot: RobotModel, links: SelfCollisionLimit, standing: Array, seed: int) -> Array:
     """Return a configuration with angles of the left arm that it can have."""
     numbers, arm = np.random.default_rng(seed), robot.arm_joints(LEFT)
-    data = mujoco.MjData(links.model)
     while True:
         qpos = with_arm(robot, standing, numbers.uniform(robot.lower[arm] + 0.05, robot.upper[arm] - 0.05))
-        data.qpos[:] = qpos
-        mujoco.mj_kinematics(links.model, data)
-        mujoco.mj_comPos(links.model, data)
-        if links.are_apart(data, range(links.model.nbody)):
+        if are_apart(links, qpos):
             return qpos
+
+
+def are_apart(links: SelfCollisionLimit, qpos: Array) -> bool:
+    data = mujoco.MjData(links.model)
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(links.model, data)
+    mujoco.mj_comPos(links.model, data)
+    return links.are_apart(data, range(links.model.nbody))
 
 
 def all_of(search: ArmSearch) -> list[Array]:
@@ -88,6 +92,34 @@ def test_says_when_there_are_none(search: ArmSearch, standing: Array) -> None:
     search.begin(standing, OUT_OF_REACH)
     assert all_of(search) == []
     assert search.go_on(1) is None
+
+
+def test_comes_as_near_as_it_can_where_the_body_can_do_the_rest(
+    search: ArmSearch, robot: RobotModel, links: SelfCollisionLimit, standing: Array
+) -> None:
+    far = HandTarget(np.array([0.55, 0.2, 0.95]))
+    search.begin(standing, far)
+    assert all_of(search) == []
+    nearest = search.go_on(1)
+    assert nearest is not None
+    there, _ = palm(robot, with_arm(robot, standing, nearest))
+    assert np.linalg.norm(there - far.position) < 0.25
+    assert are_apart(links, with_arm(robot, standing, nearest))
+    assert search.go_on(1) is None  # it was told already
+    search.begin(standing, far)
+    all_of(search)
+    search.begin(standing, OUT_OF_REACH)  # for which that is none
+    assert all_of(search) == []
+    assert search.go_on(1) is None
+
+
+def test_finds_no_angles_at_which_own_links_meet(
+    search: ArmSearch, robot: RobotModel, links: SelfCollisionLimit, standing: Array
+) -> None:
+    search.begin(standing, HandTarget(np.array([0.2, 0.0, 0.9])))  # close to the trunk
+    found = all_of(search)
+    assert found
+    assert all(are_apart(links, with_arm(robot, standing, angles)) for angles in found)
 
 
 def test_an_arm_without_limits_is_searched_within_a_turn(endless: RobotModel, standing: Array) -> None:
