@@ -65,6 +65,9 @@ def test_one_that_is_right_does_what_it_does_unguarded(robot: RobotModel, standi
     assert isinstance(guarded.controller.body, GuardedBody)
     np.testing.assert_array_equal(guarded.plant.data.qpos, alone.plant.data.qpos)
     np.testing.assert_array_equal(guarded.state.stance, alone.state.stance)
+    assert guarded.controller.body.arms.sides == {"left"}
+    guarded.reset()
+    assert not guarded.controller.body.arms.sides
 
 
 @pytest.mark.parametrize(
