@@ -148,7 +148,7 @@ def test_what_is_in_the_way_again_and_again_blocks_the_robot_until_a_person_lets
     touched.push(11.0, torso=(-60.0, 0.0, 0.0))  # which is too long as well
     assert rule.blocked.endswith(", 3 times within 20 s")
     assert touched.push(30.0).blocked
-    for _ in range(2):
+    for _ in range(3):
         rule.forgive()
         assert not touched.push(0.6, torso=(-60.0, 0.0, 0.0)).blocked
 
@@ -185,6 +185,7 @@ def test_it_begins_anew_with_a_robot_that_nothing_touches(touched: Touched) -> N
     assert rule.yielding
     assert rule.blocked
     rule.reset()
+    assert not rule.pressed
     rule.look(0, {"left_arm": np.zeros(3), "torso": np.zeros(3)}, None, np.zeros(2))
     assert not (rule.yielding or rule.pressed or rule.contacts or rule.held or rule.blocked)
     touched.cycle = 0
