@@ -29,8 +29,6 @@ class ForEach(Decorator):
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
-        self._items = self.items  # of this run
-        self._index = 0
         if isinstance(self.item, list):
             self.item = [Key(part) if isinstance(part, str) else part for part in self.item]
         self.check_values()
@@ -54,7 +52,7 @@ class ForEach(Decorator):
 
     def initialise(self) -> None:
         """Begin with the first item of those that there are now."""
-        self._items, self._index = self.items, 0
+        self._items, self._index = self.items, 0  # of this run
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child with the item whose turn it is."""

@@ -5,6 +5,7 @@ import pytest
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.session.setting import setting
 from humanoid_bt.tree.nodes import Condition, ForEach
 from humanoid_bt.tree.source.compose import make_tree
 from tests.tree.helpers import Run, load
@@ -36,3 +37,14 @@ def test_in_python_it_shares_keys_by_name_and_is_written(workspace: Workspace, n
     tree = make_tree(ForEach("each", same, item=names, items=[[1, 1], [2, 2]]), workspace)
     assert "item: [x, y]" in tree.to_yaml()
     assert Run(tree).ticks(2) == "rs"
+
+
+def test_items_that_are_set_while_it_runs_are_for_its_next_run(workspace: Workspace) -> None:
+    each = "for_each: {item: x, items: [1, 2, 3], condition: x > 0}"
+    run = Run(load(workspace, f"root: {{repeat: {{times: 2, {each}}}}}"))
+    assert run.ticks(1) == "r"
+    setting(run.tree, "for_each.items", [4]).apply()
+    assert run.ticks(1) == "r"
+    assert run.feedback("for_each") == "x 2 of 3: 2"
+    assert run.ticks(2) == "rs"
+    assert run.feedback("for_each") == "x 1 of 1: 4"
