@@ -57,6 +57,13 @@ def test_of_the_same_one_again_and_again_the_first_the_tenth_and_so_on_is_told(w
     assert [text.split(": ")[0] for _, _, text in other.events] == ["caught", "caught"]
 
 
+def test_one_that_comes_after_another_is_counted_anew(workspace: Workspace) -> None:
+    caught = run(workspace, "{retry: {attempts: -1, on_error: {act: {script: " + "xn" * 3 + "x" * 10 + "}}}}")
+    caught.ticks(16)
+    told = [text.split(": ")[0] for _, _, text in caught.events]
+    assert told == ["caught"] * 7 + ["caught for the 10th time"]
+
+
 def test_of_two_that_come_together_again_and_again_each_is_counted(workspace: Workspace) -> None:
     pair = "{parallel: [{bad_end: {script: r}}, {act: {script: rx}}]}"
     caught = run(workspace, f"{{repeat: {{force_success: {{on_error: {pair}}}}}}}")
