@@ -46,10 +46,11 @@ root:
       - wait: {name: first, duration: 1 s}
       - fill: {to: $limit}
       - set_blackboard: {key: count, expression: count + 2}
+      - set_blackboard: {key: served, value: true}
       - force_success: {failure: {name: not that}}
       - timeout: {name: impatient, duration: 0.5 s, wait: {name: too long, duration: 9 s}}
 """
-# first 0 to 1 s, fill 1 to 3 s (level from 1.1 s on), count 2 at 3 s, 'too long' 3 s to 3.5 s, then failure
+# first 0 to 1 s, fill 1 to 3 s (level from 1.1 s on), count 2 and served at 3 s, 'too long' 3 s to 3.5 s, then failure
 
 AGAIN = """
 format: 1
@@ -129,6 +130,7 @@ MET = (
     "never: first runs while fill runs",
     "never: fill failed",
     "always: level < 25 cm while fill runs",  # before it has a value, nothing is judged
+    "always: served",  # so of a key
     "always: 'too long' runs while time > 3.1 s and time < 3.4 s",
     "always: is_set(count)",
     "order: [first, fill]",
@@ -173,6 +175,7 @@ NOT_MET = (
     ("outcome == success", 3.5, "it was not so at the end", {"outcome": "failure"}),
     ("level > 30 cm", 3.5, "it was not so at the end", {"level": "0.2 m"}),
     ("within 2 s: fill succeeded", 2.0, "it had not become so by then", {"fill": "runs"}),
+    ("within 2 s: served", 2.0, "it had not become so by then", {"served": "no value yet"}),
     ("within 1 s: time > 1.01 s", 1.0, "it had not become so by then", {"time": "1.02 s"}),
     ("within 0.99 s: time > 2 s", 0.99, "it had not become so by then", {"time": "1 s"}),
     (
