@@ -79,6 +79,7 @@ def test_what_succeeds_only_by_running_starts_again_in_a_reactive_sequence(
         "{while: {condition: seen(p), act: }}",
         "{retry: {attempts: 3, condition: seen(p)}}",
         "{repeat: {times: 1, wait_until: seen(p)}}",
+        "{for_each: {item: n, items: [1], wait_until: seen(p)}}",
         "{parallel: [{wait_until: seen(p)}, {wait_until: seen(p)}]}",
         "{running_is_success: act}",
         "{watchdog: {percept: p, max_age: 1 s, on_stale: success, act: }}",

@@ -25,9 +25,9 @@ def test_keys_that_are_left_over_get_null(workspace: Workspace) -> None:
     assert (x.value, y.value) == (3, None)
 
 
-@pytest.mark.parametrize("items", ["[1]", "[[1, 2], [1, 2, 3]]", "[[]]"])
-def test_items_that_cannot_be_handed_out_are_refused(workspace: Workspace, items: str) -> None:
-    with pytest.raises(UserError, match="must be a list with at most 2 parts"):
+@pytest.mark.parametrize(("items", "number"), [("[1]", 1), ("[[1, 2], [1, 2, 3]]", 2), ("[[]]", 1)])
+def test_items_that_cannot_be_handed_out_are_refused(workspace: Workspace, items: str, number: int) -> None:
+    with pytest.raises(UserError, match=f"item {number} must be a list with at most 2 parts"):
         load(workspace, f"root: {{for_each: {{item: [x, y], items: {items}, condition: x > 0 and is_set(y)}}}}")
 
 
