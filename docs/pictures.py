@@ -30,9 +30,9 @@ from rerun.experimental import ViewerClient
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.floor import FLOOR
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import LAMP, Scene
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.record.sinks import LOOPBACK
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
@@ -140,21 +140,21 @@ def demo(file: Path) -> None:
     node, _, feedback = session.report.reason.partition(": ")
     moments.append(_Moment(session.state, node, session.report.outcome, feedback))
     scene = session.engine.scene
-    plant = MujocoPlant(session.engine.robot, scene)
-    _furnish(plant.model)
+    model = scene_model(session.engine.robot, scene)
+    _furnish(model)
     path = _camera_path([moment.state for moment in moments], scene.object_position("ball", 0.0))
     shown = [*range(0, len(moments) - 1, DEMO_FRAME), len(moments) - 1]
     width, height = DEMO_SIZE
     frames: list[Image.Image] = []
-    with mujoco.Renderer(plant.model, height, width) as renderer:
+    with mujoco.Renderer(model, height, width) as renderer:
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = True
         for index in shown:
             moment = moments[index]
             hidden = scene.hidden("ball", moment.state.time)
-            plant.model.geom("object_ball").rgba[:] = GHOST if hidden else SOLID
+            model.geom("object_ball").rgba[:] = GHOST if hidden else SOLID
             middle, distance, heading = path[index]
             camera = _camera(middle, distance, azimuth=114 + np.degrees(heading), elevation=-9)
-            image = _render(renderer, plant, moment.state, camera)
+            image = _render(renderer, model, moment.state, camera)
             frames.append(_captioned(image, moment, "the ball is hidden" if hidden else ""))
     durations = [round(1000 * 0.02 * DEMO_FRAME)] * (len(frames) - 1) + [round(1000 * DEMO_END)]
     frames[0].save(
@@ -205,13 +205,13 @@ def reach(path: Path) -> None:
         raise RuntimeError(result.feedback)
     ball = ObjectConfig(shape="ball", size=[0.08], position=BALL, stand=True)
     scene = Scene(SceneConfig(format=1, name="reach", objects={"ball": ball}), seed=0)
-    plant = MujocoPlant(RobotModel(load_robot_config(workspace.find_robot("humanoid"))), scene)
-    _furnish(plant.model)
+    model = scene_model(RobotModel(load_robot_config(workspace.find_robot("humanoid"))), scene)
+    _furnish(model)
     width, height = REACH_SIZE
-    with mujoco.Renderer(plant.model, height, width) as renderer:
+    with mujoco.Renderer(model, height, width) as renderer:
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = True
         camera = _camera(np.array([0.15, -0.02, 0.72]), 1.9, azimuth=112, elevation=-12)
-        _render(renderer, plant, result.states[-1], camera).save(path, optimize=True)
+        _render(renderer, model, result.states[-1], camera).save(path, optimize=True)
 
 
 def walk(path: Path) -> None:
@@ -221,15 +221,15 @@ def walk(path: Path) -> None:
     if not result.succeeded:
         raise RuntimeError(result.feedback)
     scene = Scene(SceneConfig(format=1, name="walk"), seed=0)
-    plant = MujocoPlant(RobotModel(load_robot_config(workspace.find_robot("humanoid"))), scene)
-    _furnish(plant.model)
+    model = scene_model(RobotModel(load_robot_config(workspace.find_robot("humanoid"))), scene)
+    _furnish(model)
     width, height = WALK_SIZE
     series = Image.new("RGB", (width * WALK_COUNT, height))
-    with mujoco.Renderer(plant.model, height, width) as renderer:
+    with mujoco.Renderer(model, height, width) as renderer:
         for number in range(WALK_COUNT):
             state = result.states[WALK_FROM + number * WALK_EVERY]
             camera = _camera(np.array([state.base_position[0], 0.0, 0.64]), 2.15, azimuth=90, elevation=-3)
-            series.paste(_render(renderer, plant, state, camera), (width * number, 0))
+            series.paste(_render(renderer, model, state, camera), (width * number, 0))
     series.quantize(256).save(path, optimize=True)
 
 
@@ -254,10 +254,11 @@ def _camera(middle: Array, distance: float, *, azimuth: float, elevation: float)
     return camera
 
 
-def _render(renderer: mujoco.Renderer, plant: MujocoPlant, state: State, camera: mujoco.MjvCamera) -> Image.Image:
-    plant.data.qpos[:] = np.concatenate([state.base_position, state.base_quaternion, state.joint_positions])
-    mujoco.mj_forward(plant.model, plant.data)
-    renderer.update_scene(plant.data, camera)
+def _render(renderer: mujoco.Renderer, model: mujoco.MjModel, state: State, camera: mujoco.MjvCamera) -> Image.Image:
+    data = mujoco.MjData(model)
+    data.qpos[:] = np.concatenate([state.base_position, state.base_quaternion, state.joint_positions])
+    mujoco.mj_forward(model, data)
+    renderer.update_scene(data, camera)
     return Image.fromarray(renderer.render())
 
 
