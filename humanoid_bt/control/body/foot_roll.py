@@ -11,32 +11,37 @@ from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _TOE_OFF, _HEEL_FIRST, _FLAT = 0.22, 0.80, 1.0  # shares of the swing at which it is pitched most, and not any more
-_AS_PLANNED, _ASTRAY = 0.03, 0.10  # m from the planned foothold up to which a foot rolls, and from which it lands flat
+_AS_PLANNED, _ASTRAY = 0.03, 0.10  # m from the planned foothold up to which it lands by its heel, and from which flat
+_MISSED, _HURRY = 0.03, 0.3  # m that no foothold takes out, share by which it is quicker: from either on it stays flat
+_FADE_TIME = 0.02  # s, low-pass of both
 
 
 class FootRoll:
     """The pitch of one swinging foot.
 
     It is the whole of ``toe_off`` and ``heel_strike`` in the longest step straight ahead, and less in a shorter one
-    and in one that turns; a foot that goes back or aside stays flat.
+    and in one that turns, or that something disturbs; a foot that goes back or aside stays flat.
 
     Args:
         gait, sole: the robot's numbers.
+        dt: control period [s].
         start, foothold: planned poses of the sole, shape (3,).
 
     Attributes:
         rolls: whether it does not stay flat.
     """
 
-    def __init__(self, gait: GaitConfig, sole: SoleConfig, start: Array, foothold: Array) -> None:
+    def __init__(self, gait: GaitConfig, sole: SoleConfig, dt: float, start: Array, foothold: Array) -> None:
         self._half_length = sole.half_length
+        self._fade = min(1.0, dt / _FADE_TIME)
         long = min(max(seen_from(start, foothold).item(0) / (2 * gait.step_forward), 0.0), 1.0)
         straight = max(0.0, 1.0 - abs(wrap(float(foothold[2] - start[2]))) / gait.step_turn)
         self._toe_off, self._heel_strike = (long * straight * most for most in (gait.toe_off, gait.heel_strike))
         self.rolls = bool(self._toe_off or self._heel_strike)
+        self._calm = self._lands_as_planned = 1.0
 
-    def footing(self, share: float, yaw: float, moved: float) -> Array:
-        """Return by how much the sole's centre is higher, and its tilt about the world's x and y: shape (3,) [m, rad].
+    def footing(self, share: float, yaw: float, *, moved: float, missed: float, rate: float) -> Array:
+        """Go on for one control period; return by how much the sole's centre is higher, and its tilt.
 
         The lowest edge of the sole stays where the centre of a flat one would be.
 
@@ -44,19 +49,28 @@ class FootRoll:
             share: of the swing that is over.
             yaw: of the sole [rad].
             moved: how far the foothold is from where it was planned [m].
+            missed: how far the DCM will be from where it should be when the foot lands [m].
+            rate: how fast the swing runs; 1: as planned.
+
+        Returns:
+            The height [m], and the tilt about the world's x and y [rad], shape (3,).
         """
-        planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
-        pitch = planned * self._pitch(share)
+        calm = max(0.0, 1.0 - max(missed / _MISSED, (rate - 1.0) / _HURRY))
+        lands_as_planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
+        self._calm += self._fade * (calm - self._calm)
+        self._lands_as_planned += self._fade * (lands_as_planned - self._lands_as_planned)
+        pitch = self._calm * self._pitch(share)
         return np.array([self._half_length * math.sin(abs(pitch)), -pitch * math.sin(yaw), pitch * math.cos(yaw)])
 
     def _pitch(self, share: float) -> float:
-        """Return the pitch [rad], positive with the heel up."""
+        """Return the pitch of a calm step [rad], positive with the heel up."""
+        heel_strike = self._lands_as_planned * self._heel_strike
         if share < _TOE_OFF:
             return self._toe_off * _eased(share / _TOE_OFF)
         if share < _HEEL_FIRST:
             between = _eased((share - _TOE_OFF) / (_HEEL_FIRST - _TOE_OFF))
-            return self._toe_off - between * (self._toe_off + self._heel_strike)
-        return -self._heel_strike * (1.0 - _eased(min(1.0, (share - _HEEL_FIRST) / (_FLAT - _HEEL_FIRST))))
+            return self._toe_off - between * (self._toe_off + heel_strike)
+        return -heel_strike * (1.0 - _eased(min(1.0, (share - _HEEL_FIRST) / (_FLAT - _HEEL_FIRST))))
 
 
 def _eased(share: float) -> float:

@@ -82,7 +82,7 @@ class Swing:
         self.pose: Array = start.copy()
         self._footings = footings
         self.footing: Array = footings[0].copy()
-        self._roll = FootRoll(gait, sole, start, foothold)
+        self._roll = FootRoll(gait, sole, dt, start, foothold)
         self.rolled: Array = np.zeros(3)
         self.target: Array = foothold.copy()
         self.progress = 0.0
@@ -114,7 +114,9 @@ class Swing:
         )  # fmt: skip
         if self._roll.rolls:
             moved = math.dist(self._place.tolist(), self._planned.tolist())
-            self.rolled = self._roll.footing(self.progress, self.pose.item(2), moved)
+            missed = math.hypot(*self.missed.tolist())
+            yaw = self.pose.item(2)
+            self.rolled = self._roll.footing(self.progress, yaw, moved=moved, missed=missed, rate=self.rate)
             self.footing += self.rolled
 
     def _reach(self, gait: GaitConfig) -> Array:

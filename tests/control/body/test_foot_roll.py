@@ -15,13 +15,24 @@ GAIT = replace(GaitConfig(), toe_off=TOE_OFF, heel_strike=HEEL_STRIKE)
 SOLE = SoleConfig(half_length=0.105, half_width=0.045)
 START = np.zeros(3)
 LONGEST = np.array([2 * GAIT.step_forward, 0.0, 0.0])
+DT = 0.0025  # quicker than any robot's control, for smooth curves
 SHARES = np.linspace(0.0, 1.0, 101)
 
 
-def pitches(foothold: Array, moved: float = 0.0, gait: GaitConfig = GAIT) -> Array:
+def begun(foothold: Array, gait: GaitConfig = GAIT) -> FootRoll:
+    return FootRoll(gait, SOLE, DT, START, foothold)
+
+
+def footing(
+    roll: FootRoll, share: float, yaw: float = 0.0, *, moved: float = 0.0, missed: float = 0.0, rate: float = 1.0
+) -> Array:
+    return roll.footing(share, yaw, moved=moved, missed=missed, rate=rate)
+
+
+def pitches(foothold: Array, gait: GaitConfig = GAIT, **disturbed: float) -> Array:
     """The pitch of a foot that faces along x, over a swing."""
-    roll = FootRoll(gait, SOLE, START, foothold)
-    return np.array([roll.footing(share, 0.0, moved)[2] for share in SHARES])
+    roll = begun(foothold, gait)
+    return np.array([footing(roll, share, **disturbed)[2] for share in SHARES])
 
 
 def test_a_foot_leaves_by_its_toe_and_lands_by_its_heel_and_is_flat_before_and_after() -> None:
@@ -35,15 +46,15 @@ def test_a_foot_leaves_by_its_toe_and_lands_by_its_heel_and_is_flat_before_and_a
 
 
 def test_its_lowest_edge_stays_where_a_flat_sole_would_be() -> None:
-    roll = FootRoll(GAIT, SOLE, START, LONGEST)
+    roll = begun(LONGEST)
     for share in SHARES:
-        higher, _, pitch = roll.footing(share, 0.0, 0.0)
+        higher, _, pitch = footing(roll, share)
         assert higher == pytest.approx(SOLE.half_length * math.sin(abs(pitch)), abs=1e-12)
 
 
 def test_it_rolls_about_its_own_axis() -> None:
     share, yaw = 0.2, 2.0
-    _, x, y = FootRoll(GAIT, SOLE, START, LONGEST).footing(share, yaw, 0.0)
+    _, x, y = footing(begun(LONGEST), share, yaw)
     assert math.cos(yaw) * x + math.sin(yaw) * y == pytest.approx(0.0, abs=1e-12)
     assert -math.sin(yaw) * x + math.cos(yaw) * y > 0.3
 
@@ -57,9 +68,28 @@ def test_a_short_step_rolls_less() -> None:
     np.testing.assert_allclose(pitches(LONGEST / 2), pitches(LONGEST) / 2)
 
 
-def test_a_step_that_catches_a_push_lands_flat() -> None:
+def test_a_foot_that_lands_elsewhere_leaves_by_its_toe_and_lands_flat() -> None:
     np.testing.assert_array_equal(pitches(LONGEST, moved=0.02), pitches(LONGEST))
-    np.testing.assert_array_equal(pitches(LONGEST, moved=0.12), 0.0)
+    elsewhere = pitches(LONGEST, moved=0.12)
+    assert elsewhere.max() == pytest.approx(TOE_OFF, abs=0.01)
+    np.testing.assert_allclose(elsewhere[80:], 0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("some", "all_of_it"), [({"missed": 0.015}, {"missed": 0.03}), ({"rate": 1.15}, {"rate": 1.4})]
+)
+def test_a_foot_that_catches_a_push_stays_flat(some: dict[str, float], all_of_it: dict[str, float]) -> None:
+    calm = pitches(LONGEST)
+    np.testing.assert_allclose(pitches(LONGEST, **some)[50:], calm[50:] / 2, atol=1e-3)
+    np.testing.assert_allclose(pitches(LONGEST, **all_of_it)[50:], 0.0, atol=1e-3)
+
+
+def test_a_foot_that_is_disturbed_in_the_air_lies_flat_soon_and_without_a_jump() -> None:
+    roll = begun(LONGEST)
+    pitch = [footing(roll, share, rate=1.0 if share < 0.8 else 1.5)[2] for share in SHARES]
+    assert min(pitch) == pytest.approx(-HEEL_STRIKE, abs=0.01)
+    assert np.abs(pitch[90:]).max() < 0.05
+    assert np.abs(np.diff(pitch)).max() < 0.04
 
 
 def test_feet_of_a_robot_that_does_not_say_stay_flat() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,10 +22,10 @@ LEVEL = np.zeros(3)
 DCM_END = np.array([0.10, 0.02])  # planned at touchdown
 
 
-def swing_of(side: Side = "left", footings: tuple[Array, Array] = (LEVEL, LEVEL)) -> Swing:
+def swing_of(side: Side = "left", footings: tuple[Array, Array] = (LEVEL, LEVEL), gait: GaitConfig = GAIT) -> Swing:
     mirror = np.array([1, 1, 1]) if side == "left" else np.array([1, -1, -1])
     return Swing(
-        GAIT,
+        gait,
         SOLE,
         OMEGA,
         DT,
@@ -99,6 +100,26 @@ def test_it_tells_by_how_much_a_step_misses_where_the_dcm_runs_off() -> None:
     fly(across, np.array([0.0, -0.15]))  # beyond the foot that stands, where this one cannot land
     assert across.missed[1] < -0.1
     assert abs(across.missed[0]) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("error", "least", "most"),
+    [
+        pytest.param((0.0, 0.0), 0.08, 0.09, id="nothing disturbs it"),
+        pytest.param((-0.08, 0.0), 0.0, 0.01, id="it lands elsewhere"),
+        pytest.param((0.0, -0.06), 0.0, 0.02, id="it misses where the DCM runs off"),
+        pytest.param((0.0, 0.03), 0.0, 0.03, id="it hurries"),
+    ],
+)
+def test_a_foot_lands_by_its_heel_if_nothing_disturbs_its_step(
+    error: tuple[float, float], least: float, most: float
+) -> None:
+    swing = swing_of(gait=replace(GAIT, heel_strike=0.2))
+    tilts = []
+    for elapsed in range(PERIODS):
+        swing.update(elapsed, planned_dcm(elapsed) + error, SUPPORT[:2])
+        tilts.append(math.hypot(*swing.rolled[1:]))
+    assert least <= max(tilts[PERIODS // 2 :]) < most
 
 
 @pytest.mark.parametrize("axis", [0, 1])
