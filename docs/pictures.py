@@ -293,13 +293,16 @@ def main() -> None:
     """Take the pictures that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("pictures", nargs="*", metavar="PICTURE", help=f"one of {', '.join(PICTURES)}; default: all")
-    names = parser.parse_args().pictures or list(PICTURES)
+    parser.add_argument("--out", type=Path, default=IMAGES, metavar="FOLDER", help="where to; default: docs/images")
+    arguments = parser.parse_args()
+    names = arguments.pictures or list(PICTURES)
     if unknown := [name for name in names if name not in PICTURES]:
         parser.error(f"there is no picture {unknown[0]!r}; valid: {', '.join(PICTURES)}")
-    IMAGES.mkdir(exist_ok=True)
+    folder: Path = arguments.out.absolute()
+    folder.mkdir(exist_ok=True)
     for name in names:
         take, file = PICTURES[name]
-        take(IMAGES / file)
+        take(folder / file)
 
 
 if __name__ == "__main__":

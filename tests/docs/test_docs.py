@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import blocks
 import generate
+import numpy as np
 import pytest
+from PIL import Image
 
+from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.tree.nodes.examples import EXAMPLES
@@ -18,6 +23,7 @@ from tests.perception.opengl import why_none
 
 PAGES = blocks.pages()
 STALE = "run `make docs`"
+MACHINES_DIFFER = 2.0  # of 255, on average, by how one rounds
 
 
 def page_name(page: Path) -> str:
@@ -60,6 +66,20 @@ def test_every_generated_part_is_on_a_page() -> None:
 def test_pictures_are_those_of_the_code() -> None:
     pictures = {file: file.read_text(encoding="utf-8") for file in blocks.IMAGES.glob("*.svg")}
     assert pictures == generate.pictures(), STALE
+
+
+@pytest.mark.docs
+@pytest.mark.parametrize("name", ["reach", "walk"])
+def test_pictures_of_the_robot_show_what_it_does(name: str, tmp_path: Path) -> None:
+    if why := why_none():
+        pytest.skip(why)
+    subprocess.run([sys.executable, blocks.ROOT / "docs" / "pictures.py", name, "--out", tmp_path], check=True)
+    now, shown = (_read(folder / f"{name}.png") for folder in (tmp_path, blocks.IMAGES))
+    assert np.abs(now - shown).mean() < MACHINES_DIFFER, f"python docs/pictures.py {name}"
+
+
+def _read(picture: Path) -> Array:
+    return np.asarray(Image.open(picture).convert("RGB"), dtype=float)
 
 
 def test_every_node_type_has_an_example() -> None:
