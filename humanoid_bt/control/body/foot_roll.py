@@ -13,7 +13,7 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 _TOE_OFF, _HEEL_FIRST, _FLAT = 0.22, 0.80, 1.0  # shares of the swing at which it is pitched most, and not any more
 _AS_PLANNED, _ASTRAY = 0.03, 0.10  # m from the planned foothold up to which it lands by its heel, and from which flat
 _MISSED, _HURRY = 0.03, 0.3  # m that no foothold takes out, share by which it is quicker: from either on it stays flat
-_FADE_TIME = 0.02  # s, low-pass of both
+_FADE_TIME = 0.02  # s, low-pass of both: they jump
 
 
 class FootRoll:
@@ -38,7 +38,7 @@ class FootRoll:
         straight = max(0.0, 1.0 - abs(wrap(float(foothold[2] - start[2]))) / gait.step_turn)
         self._toe_off, self._heel_strike = (long * straight * most for most in (gait.toe_off, gait.heel_strike))
         self.rolls = bool(self._toe_off or self._heel_strike)
-        self._calm = self._lands_as_planned = 1.0
+        self._calm = 1.0  # share of it that is left
 
     def footing(self, share: float, yaw: float, *, moved: float, missed: float, rate: float) -> Array:
         """Go on for one control period; return by how much the sole's centre is higher, and its tilt.
@@ -56,15 +56,13 @@ class FootRoll:
             The height [m], and the tilt about the world's x and y [rad], shape (3,).
         """
         calm = max(0.0, 1.0 - max(missed / _MISSED, (rate - 1.0) / _HURRY))
-        lands_as_planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
         self._calm += self._fade * (calm - self._calm)
-        self._lands_as_planned += self._fade * (lands_as_planned - self._lands_as_planned)
-        pitch = self._calm * self._pitch(share)
+        as_planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
+        pitch = self._calm * self._pitch(share, as_planned * self._heel_strike)
         return np.array([self._half_length * math.sin(abs(pitch)), -pitch * math.sin(yaw), pitch * math.cos(yaw)])
 
-    def _pitch(self, share: float) -> float:
-        """Return the pitch of a calm step [rad], positive with the heel up."""
-        heel_strike = self._lands_as_planned * self._heel_strike
+    def _pitch(self, share: float, heel_strike: float) -> float:
+        """Return the pitch of a calm step that lands by so much heel [rad], positive with the heel up."""
         if share < _TOE_OFF:
             return self._toe_off * _eased(share / _TOE_OFF)
         if share < _HEEL_FIRST:
