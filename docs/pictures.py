@@ -299,7 +299,7 @@ def main() -> None:
     if unknown := [name for name in names if name not in PICTURES]:
         parser.error(f"there is no picture {unknown[0]!r}; valid: {', '.join(PICTURES)}")
     folder: Path = arguments.out.absolute()
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         take, file = PICTURES[name]
         take(folder / file)
