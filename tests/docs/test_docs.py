@@ -19,7 +19,9 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.tree.nodes.examples import EXAMPLES
 from humanoid_bt.tree.nodes.registry import Registry
-from tests.perception.opengl import why_none
+from tests.perception.opengl import opengl, why_none
+
+__all__ = ["opengl"]
 
 PAGES = blocks.pages()
 STALE = "run `make docs`"
@@ -69,10 +71,9 @@ def test_pictures_are_those_of_the_code() -> None:
 
 
 @pytest.mark.docs
+@pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize("name", ["reach", "walk"])
 def test_pictures_of_the_robot_show_what_it_does(name: str, tmp_path: Path) -> None:
-    if why := why_none():
-        pytest.skip(why)
     subprocess.run([sys.executable, blocks.ROOT / "docs" / "pictures.py", name, "--out", tmp_path], check=True)
     now, shown = (_read(folder / f"{name}.png") for folder in (tmp_path, blocks.IMAGES))
     assert np.abs(now - shown).mean() < MACHINES_DIFFER, f"python docs/pictures.py {name}"

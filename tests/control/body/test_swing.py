@@ -114,12 +114,23 @@ def test_it_tells_by_how_much_a_step_misses_where_the_dcm_runs_off() -> None:
 def test_a_foot_lands_by_its_heel_if_nothing_disturbs_its_step(
     error: tuple[float, float], least: float, most: float
 ) -> None:
+    assert least <= rolled(np.array(error))[PERIODS // 2 :].max() < most
+
+
+def test_a_foot_that_has_to_hurry_as_its_heel_comes_down_turns_flat_without_a_jump() -> None:
+    tilts = rolled(np.array([0.0, 0.06]), since=round(0.65 * PERIODS))
+    assert tilts[-1] < 0.001
+    assert np.abs(np.diff(tilts)).max() < 0.03
+
+
+def rolled(error: Array, since: int = 0) -> Array:
+    """How far a foot that is to land by its heel is pitched, with a DCM error from a period on, shape (n,) [rad]."""
     swing = swing_of(gait=replace(GAIT, heel_strike=0.2))
     tilts = []
     for elapsed in range(PERIODS):
-        swing.update(elapsed, planned_dcm(elapsed) + error, SUPPORT[:2])
+        swing.update(elapsed, planned_dcm(elapsed) + (error if elapsed >= since else 0.0), SUPPORT[:2])
         tilts.append(math.hypot(*swing.rolled[1:]))
-    assert least <= max(tilts[PERIODS // 2 :]) < most
+    return np.array(tilts)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
