@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -43,12 +44,18 @@ def planned_dcm(elapsed: int) -> Array:
     return SUPPORT[:2] + (DCM_END - SUPPORT[:2]) * math.exp(-OMEGA * (PERIODS - elapsed) * DT)
 
 
-def fly(swing: Swing, error: Array | None = None, since: int = 0) -> tuple[Array, Array]:
-    """Make the swing with a DCM error, shape (2,), from a period on; return poses (n, 3) and heights (n,)."""
-    poses, heights = [swing.pose.copy()], [swing.footing.item(0)]
+def flying(swing: Swing, error: Array | None = None, since: int = 0) -> Iterator[Swing]:
+    """Make the swing with a DCM error, shape (2,), from a period on; give it after each."""
     for elapsed in range(PERIODS):
         off = error if error is not None and elapsed >= since else np.zeros(2)
         swing.update(elapsed, planned_dcm(elapsed) + off, SUPPORT[:2])
+        yield swing
+
+
+def fly(swing: Swing, error: Array | None = None, since: int = 0) -> tuple[Array, Array]:
+    """Make the swing likewise; return poses (n, 3) and heights (n,)."""
+    poses, heights = [swing.pose.copy()], [swing.footing.item(0)]
+    for _ in flying(swing, error, since):
         poses.append(swing.pose.copy())
         heights.append(swing.footing.item(0))
     return np.array(poses), np.array(heights)
@@ -125,12 +132,8 @@ def test_a_foot_that_has_to_hurry_as_its_heel_comes_down_turns_flat_without_a_ju
 
 def rolled(error: Array, since: int = 0) -> Array:
     """How far a foot that is to land by its heel is pitched, with a DCM error from a period on, shape (n,) [rad]."""
-    swing = swing_of(gait=replace(GAIT, heel_strike=0.2))
-    tilts = []
-    for elapsed in range(PERIODS):
-        swing.update(elapsed, planned_dcm(elapsed) + (error if elapsed >= since else 0.0), SUPPORT[:2])
-        tilts.append(math.hypot(*swing.rolled[1:]))
-    return np.array(tilts)
+    swings = flying(swing_of(gait=replace(GAIT, heel_strike=0.2)), error, since)
+    return np.array([math.hypot(*swing.rolled[1:]) for swing in swings])
 
 
 @pytest.mark.parametrize("axis", [0, 1])
