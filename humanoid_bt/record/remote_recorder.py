@@ -245,11 +245,10 @@ class RemoteRecorder:
             self._lose("the recorder was far too slow and was ended")
 
     def _follow(self) -> None:
-        """Hear what the recorder says, if it says something."""
-        if self._over:
-            return
+        """Hear all that the recorder has said, to its end if it has ended."""
         try:
-            self._hear()
+            while not self._over:
+                self._hear()
         except BlockingIOError:
             pass
         except OSError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+import select
 import signal
 import subprocess
 import sys
@@ -61,7 +62,15 @@ def test_a_run_without_trouble_lacks_nothing(project: Path, tmp_path: Path) -> N
 
 def test_a_recorder_that_is_killed_is_told_at_once(project: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
-    report = harmed(project, file, lambda session: (recorder_of(session).kill(), recorder_of(session).wait()))
+
+    def harm(session: Session) -> None:
+        recorder = session._drive._recorder
+        assert recorder is not None
+        assert select.select([recorder._end], [], [], 60.0)[0]  # what it has said before is heard with its end
+        recorder_of(session).kill()
+        recorder_of(session).wait()
+
+    report = harmed(project, file, harm)
     (at, text), (_, missing) = errors(report)
     assert at == pytest.approx(1.52)
     assert text == "the recorder process ended (killed by signal 9): nothing is recorded from 1.52 s on"
