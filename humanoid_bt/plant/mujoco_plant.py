@@ -48,7 +48,7 @@ class MujocoPlant:
         self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
         self.touches = Touches(self.model, robot.config)
         feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
-        self._sensors = Sensors(robot.config.sensors, self.data, joints, feet, -float(self.model.opt.gravity[2]))
+        self._sensors = Sensors(robot.config.sensors, self.model, self.data, joints, feet)
         self._gaze = self.model.site(GAZE_SITE).id
         self._stiffness, self._damping = robot.stiffness, robot.damping
         self._drives, self._payloads = 1.0, (0.0, 0.0)

@@ -26,10 +26,9 @@ class Sensors:
 
     Args:
         config: what they are like.
-        data: MuJoCo's, of the robot in its scene; the robot's coordinates come first.
+        model, data: MuJoCo's, of the robot in its scene; the robot's coordinates come first.
         joints: how many the robot has.
         feet: views of what the (left, right) foot bears, of either sign, each of shape (1,) [N].
-        gravity: upward [m/s^2].
 
     Attributes:
         encoder_error: what each encoder is off besides that, from the next :meth:`reset` on, shape (nj,) [rad].
@@ -37,11 +36,10 @@ class Sensors:
     """
 
     def __init__(
-        self, config: SensorsConfig, data: mujoco.MjData, joints: int, feet: Sequence[Array], gravity: float
+        self, config: SensorsConfig, model: mujoco.MjModel, data: mujoco.MjData, joints: int, feet: Sequence[Array]
     ) -> None:
         self._config, self._joints, self._feet = config, joints, feet
-        self._velocity_now, self._pose = data.qvel[:3], data.qpos[3 : 7 + joints]
-        self._rates, self._torques = data.qvel[3 : 6 + joints], data.actuator_force
+        self._velocity_now, self._pose = data.qvel[: 6 + joints], data.qpos[3 : 7 + joints]
         self._borne: Array = np.zeros(2)
         self._joint_positions = slice(6, 6 + joints)
         self._imu = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
@@ -52,7 +50,7 @@ class Sensors:
         self._finest = np.maximum(resolution, _FINEST)
         self._delay = cycles(config.delay)
         self._rows = np.zeros((self._delay + 1, len(self._noise)))
-        self._velocity: Array = np.zeros(3)
+        self._velocity: Array = np.zeros(6 + joints)
         self._random = np.random.default_rng(0)
         self._offset: Array = np.zeros(len(self._noise))
         self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
@@ -64,8 +62,9 @@ class Sensors:
         self._failures: dict[str, tuple[slice | list[int], str]] = {}
         self._last: Array = self._rows[0].copy()
         self._senses = (  # what :func:`_sense` is called with in each cycle
-            self._rows, self._borne, self._pose, self._velocity_now, self._rates, self._torques, self._velocity,
-            self._turned, gravity, self._errors, self._finest,
+            self._rows, self._borne, self._pose, self._velocity_now, self._velocity, data.actuator_force,
+            model.actuator_forcerange, model.actuator_biasprm, self._turned, -float(model.opt.gravity[2]),
+            self._errors, self._finest,
         )  # fmt: skip
 
     def _described(self) -> tuple[Array, Array, Array]:
@@ -165,8 +164,8 @@ class Sensors:
 
 
 @compiled(
-    "void(i8, i8, f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8, f8[:, ::1],"
-    " f8[::1])"
+    "void(i8, i8, f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8,"
+    " f8[:, ::1], f8[::1])"
 )
 def _sense(
     at: int,
@@ -175,9 +174,10 @@ def _sense(
     borne: Array,
     pose: Array,
     velocity: Array,
-    rates: Array,
-    torques: Array,
     before: Array,
+    torques: Array,
+    limits: Array,
+    drives: Array,
     turned: Array,
     gravity: float,
     errors: Array,
@@ -191,32 +191,39 @@ def _sense(
         rows: of what the sensors say.
         borne: what the feet bear, shape (2,) [N].
         pose: quaternion of the base, and the joints, shape (4 + nj,).
-        velocity: of the base, world frame, shape (3,) [m/s].
-        rates: angular velocity of the base in its own frame, and of the joints, shape (3 + nj,) [rad/s].
-        torques: shape (nj,) [Nm].
+        velocity: of the base, world frame, [m/s], its angular velocity in its own frame, and that of the joints
+            [rad/s], shape (6 + nj,).
         before: the velocity a servo period ago; becomes the one now.
+        torques: of the joints as MuJoCo's step began, shape (nj,) [Nm]. It integrates implicitly: what the joints got
+            is what their drives give for the velocity with which it ended.
+        limits: of these torques, least and most, shape (nj, 2) [Nm].
+        drives: MuJoCo's parameters of each joint's drive; the third is the torque for its velocity [Nm s/rad].
         turned: turns a quaternion by what the IMU's own filter is off, shape (4, 4).
         gravity: upward [m/s^2].
         errors: rows of what is added.
         finest: resolutions.
     """
     joints, row = len(torques), rows[at]
+    force = 6 + joints
+    for i in range(joints):
+        row[6 + i] = pose[4 + i]
+        row[6 + force + joints + i] = torques[i]
+        if limits[i, 0] < torques[i] < limits[i, 1]:
+            row[6 + force + joints + i] += drives[i, 2] * (velocity[6 + i] - before[6 + i])
     row[:2] = borne
     for i in range(4):
         row[2 + i] = turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]
-    row[6 : 6 + joints] = pose[4:]
     a = (velocity[0] - before[0]) / SERVO_PERIOD
     b = (velocity[1] - before[1]) / SERVO_PERIOD
     c = (velocity[2] - before[2]) / SERVO_PERIOD + gravity
     before[:] = velocity
     w, x, y, z = pose[0], pose[1], pose[2], pose[3]  # which turns the base into the world; the force, back
     u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    force = 6 + joints
     row[force] = a - w * u + y * t - z * v
     row[force + 1] = b - w * v + z * u - x * t
     row[force + 2] = c - w * t + x * v - y * u
-    row[force + 3 : 6 + force + joints] = rates
-    row[6 + force + joints :] = torques
+    row[force + 3 : 6 + force] = velocity[3:6]
+    row[6 + force : 6 + force + joints] = velocity[6:]
     for i in range(len(row)):
         row[i] = np.rint((row[i] + errors[place, i]) / finest[i]) * finest[i]
 

@@ -14,6 +14,7 @@ from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.model import RobotModel
+from tests.plant.drives import given
 from tests.sensors import EXACT
 
 ERROR = 0.03  # rad
@@ -110,11 +111,9 @@ def test_weak_drives_give_a_part_of_what_they_are_asked_for_and_of_the_largest()
 
     def give(command: JointCommand, share: float) -> bool:
         before = plant.measure()
-        asked = command.stiffness * (command.position - before.joint_position) + command.torque
-        asked += command.damping * (command.velocity - before.joint_velocity)
         plant.step(command)
-        given = share * np.clip(asked, -robot.torque_limit, robot.torque_limit)
-        return np.allclose(plant.measure().joint_torque, given, atol=1e-9)
+        after = plant.measure()
+        return np.allclose(after.joint_torque, share * given(command, before, after, robot.torque_limit), atol=1e-9)
 
     plant.alter(drives=0.5)
     for stiffness, damping in ((1.0, 1.0), (1.0, 0.1), (0.1, 1.0)):

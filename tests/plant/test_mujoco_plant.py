@@ -17,6 +17,7 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig, StartConfig, load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
+from tests.plant.drives import given
 from tests.sensors import exact
 
 SIM = Path(__file__).resolve().parents[2] / "sim"
@@ -64,18 +65,17 @@ def test_a_joint_command_is_the_torque_that_its_formula_says(plant: MujocoPlant,
     joints = len(robot.joint_names)
     for _ in range(20):
         before = plant.measure()
-        q, qd = before.joint_position, before.joint_velocity
         command = JointCommand(
-            position=q + numbers.uniform(-0.02, 0.02, joints),
+            position=before.joint_position + numbers.uniform(-0.02, 0.02, joints),
             velocity=numbers.uniform(-0.2, 0.2, joints),
             stiffness=numbers.uniform(0, 1, joints) * robot.stiffness,
             damping=numbers.uniform(0, 1, joints) * robot.damping,
             torque=numbers.uniform(-2, 2, joints),
         )
-        wanted = command.stiffness * (command.position - q) + command.damping * (command.velocity - qd) + command.torque
         plant.step(command)
-        expected = np.clip(wanted, -robot.torque_limit, robot.torque_limit)
-        np.testing.assert_allclose(plant.measure().joint_torque, expected, atol=1e-9)
+        after = plant.measure()
+        expected = given(command, before, after, robot.torque_limit)
+        np.testing.assert_allclose(after.joint_torque, expected, atol=1e-9)
 
 
 def test_torque_stays_within_the_drives_limits(plant: MujocoPlant, robot: RobotModel) -> None:

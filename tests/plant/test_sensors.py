@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import RobotConfig, load_robot_config
-from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, foot_sensor
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
 from humanoid_bt.robot.sensor_config import EncoderConfig, FootForceConfig, GyroConfig, SensorsConfig
 from tests.sensors import EXACT
 
@@ -62,13 +63,33 @@ def test_exact_sensors_say_what_is(config: RobotConfig, standing: Array) -> None
     near = {"rtol": 0, "atol": 1e-9}
     np.testing.assert_allclose(reading.joint_position, data.qpos[7 : 7 + joints], **near)
     np.testing.assert_allclose(reading.joint_velocity, data.qvel[6 : 6 + joints], **near)
-    np.testing.assert_allclose(reading.joint_torque, data.actuator_force, **near)
     np.testing.assert_allclose(reading.orientation, data.qpos[3:7], **near)
     np.testing.assert_allclose(reading.gyro, data.qvel[3:6], **near)
     feet = [abs(data.sensor(foot_sensor(side)).data.item(2)) for side in SIDES]
     np.testing.assert_allclose(reading.foot_force, feet, **near)
     felt = rotation_matrix(data.qpos[3:7]).T @ ((data.qvel[:3] - before) / 1e-3 + [0, 0, 9.81])
     np.testing.assert_allclose(reading.accelerometer, felt, atol=1e-6)
+
+
+def test_torques_are_those_that_moved_the_joints(config: RobotConfig, standing: Array) -> None:
+    """Also of drives that damp a quick joint, and of one at its limit: what a foot bears is found from them."""
+    plant = plant_with(config, standing, EXACT)
+    model, data, joints = plant.model, plant.data, len(standing) - BASE_COORDINATES
+    command = hold(plant, standing[BASE_COORDINATES:] + np.where(np.arange(joints) == 3, 1.0, 0.02))
+    mass = np.zeros((model.nv, model.nv))
+    off, limited = 0.0, False
+    for _ in range(20):
+        before = data.qvel.copy()
+        plant.step(command)
+        mujoco.mj_fullM(model, data, mass)
+        gained = data.qvel - before
+        moved = mass @ gained / 1e-3 + data.qfrc_bias - data.qfrc_passive + model.dof_damping * gained
+        moved -= data.qfrc_constraint
+        np.testing.assert_allclose(plant.measure().joint_torque, moved[BASE_DOFS : BASE_DOFS + joints], atol=1e-6)
+        off = max(off, float(np.abs(plant.measure().joint_torque - data.actuator_force).max()))
+        limited = limited or abs(data.actuator_force.item(3)) == plant.robot.torque_limit[3]
+    assert limited
+    assert off > 1.0  # Nm, by which MuJoCo's own number, of the beginning of its step, is off
 
 
 def test_a_robot_without_sensors_in_its_feet_says_nothing_of_them(config: RobotConfig, standing: Array) -> None:
