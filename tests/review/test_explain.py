@@ -248,7 +248,7 @@ def test_the_setup_has_the_limits_of_the_robot(fallen: Path) -> None:
     [
         (["--node", "aproach"], "did you mean 'approach'?"),
         (["--joint", "right_elbw"], "did you mean 'right_elbow'?"),
-        (["--at", "99"], "valid: 0.001 to 2.520 s"),
+        (["--at", "99"], "valid: 0.001 to 2.5"),
         (["--at", "-1"], "must be a time, 0 or more, in s or with a unit"),
         (["--at", "1", "--node", "x"], "not allowed with argument"),
     ],
