@@ -237,3 +237,4 @@ def test_a_robot_that_is_placed_anew_is_felt_to_be_at_rest(config: RobotConfig, 
     plant.place(standing)
     up = -plant.model.opt.gravity[2]
     np.testing.assert_allclose(plant.measure().accelerometer, [0.0, 0.0, up], atol=1e-3)
+    np.testing.assert_allclose(plant.measure().joint_torque, plant.data.actuator_force, atol=1e-9)
