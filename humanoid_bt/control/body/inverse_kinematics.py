@@ -11,7 +11,6 @@ import numpy as np
 
 from humanoid_bt.control.body.arm_search import ArmSearch
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
-from humanoid_bt.control.body.height_limit import HeightLimit
 from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
@@ -28,6 +27,8 @@ _ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
 _TURN_SPEED, _LUNGE_SPEED = 1.5, 4.0  # rad/s of the base, and of the waist's joints
+_HEIGHT = 2  # coordinate, and degree of freedom, of the free base's height
+_SINK_BRAKE_TIME = 0.1  # s in which a sinking base comes to rest above the lowest that it may be
 _BRAKE_TIME = 0.05  # s in which a joint comes to rest at its limit: a knee that is stretched at once chatters there
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
 _SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.02, 0.03  # s, low-pass of planned acceleration and momentum rate
@@ -36,9 +37,9 @@ _SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.02, 0.03  # s, low-pass of planned accelerati
 class InverseKinematics:
     """Keeps the configuration of the last setpoint and moves it toward the targets.
 
-    When the solver finds no solution, the body goes on balancing by damped least squares without the limits, which has
-    a solution for all finite targets: a body that froze in the middle of a step would fall. The joints are clamped into
-    their limits afterwards.
+    When the solver finds no solution, the body goes on balancing by damped least squares, which has a solution for all
+    finite targets: a body that froze in the middle of a step would fall. Joints and base stay within their limits then,
+    and arms stop before other links.
 
     Args:
         robot: the robot.
@@ -50,7 +51,8 @@ class InverseKinematics:
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
         solved: whether the last step had a solution.
         still: joints that stay as they are; set it.
-        height_limit: how low the base may go.
+        lowest: where the base comes to rest that sinks [m]: a hand that pulls it lower would make a crouch look like a
+            fall. A base that is lower already may rise, and does not have to.
         configuration, tasks, limits: mink's problem of the last step.
     """
 
@@ -71,8 +73,8 @@ class InverseKinematics:
         }
         self._turned_hands = {side: PalmTask(robot, self._model, side) for side in self._hands}
         self.tasks: list[mink.BaseTask] = [self._body]
-        self.height_limit = HeightLimit(self._model.nv)
-        self.limits: list[mink.Limit] = [self._own_links, self.height_limit]
+        self.limits: list[mink.Limit] = [self._own_links]
+        self.lowest = 0.0
         trunk = set(carriers(robot.model, robot.model.body(config.torso).id))
         self._arms = {
             side: [
@@ -91,10 +93,10 @@ class InverseKinematics:
         self._smooth[BASE_DOFS:][of_arms] = min(1.0, dt / _ARM_SMOOTH_TIME)
         self._of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
         self._eased = ~of_arms
+        self._of_arms = np.concatenate([np.zeros(BASE_DOFS, dtype=bool), of_arms])
         self._freely = self._farthest.copy()
         self.ease(1.0)
-        for bound, sign in ((self._program.low, -1.0), (self._program.high, 1.0)):
-            bound[2] = sign * _RISE_SPEED * dt
+        self._program.high[_HEIGHT] = _RISE_SPEED * dt
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         where = self.configuration.data.site_xpos
@@ -204,7 +206,7 @@ class InverseKinematics:
         velocity = self._within_limits()
         self.solved = velocity is not None
         if velocity is None:
-            velocity = self._without_limits()
+            velocity = self._without_conditions()
         self.configuration.integrate_inplace(velocity, self._dt)
         self._follow_motion(velocity)
         return self.solved
@@ -214,6 +216,8 @@ class InverseKinematics:
         program, joints, robot = self._program, self._joints, self._robot
         program.aim(self.configuration, self.tasks)
         program.limit(self.configuration, self.limits, self._dt)
+        room = max(0.0, self._base_pose.item(_HEIGHT) - self.lowest)
+        program.low[_HEIGHT] = -min(room * min(1.0, self._dt / _SINK_BRAKE_TIME), _RISE_SPEED * self._dt)
         braked = min(1.0, self._dt / _BRAKE_TIME)
         np.maximum(braked * (robot.lower - joints), -self._farthest, out=program.low[BASE_DOFS:])
         np.minimum(braked * (robot.upper - joints), self._farthest, out=program.high[BASE_DOFS:])
@@ -228,19 +232,19 @@ class InverseKinematics:
         self._own_links.pressures = program.pressures[: len(self._own_links.pressures)]
         return way / self._dt
 
-    def _without_limits(self) -> Array:
-        """Return the velocity of damped least squares, shape (nv,), clamped; zero if even that has no solution."""
-        program = self._program
+    def _without_conditions(self) -> Array:
+        """Return the velocity of damped least squares within the bounds of each coordinate, shape (nv,).
+
+        Arms go no further than own links stay apart. It is zero if even that has no solution.
+        """
+        program, pairs = self._program, len(self._own_links.pressures)
         program.aim(self.configuration, self.tasks)
-        try:
-            way: Array = np.asarray(np.linalg.solve(program.hessian, -program.gradient), dtype=np.float64)
-        except np.linalg.LinAlgError:
-            return np.zeros(self._model.nv)
-        if not np.isfinite(way).all():
-            return np.zeros(self._model.nv)
-        after = self.joints + clamp(way[BASE_DOFS:], -self._farthest, self._farthest)
-        after = clamp(after, self._robot.lower, self._robot.upper)
-        way[BASE_DOFS:] = after - self.joints
+        way = _least_squares(program)
+        rows, arms = program.rows[:pairs], np.where(self._of_arms, way, 0.0)
+        nearer, room = rows @ arms, np.maximum(program.rooms[:pairs] - rows @ (way - arms), 0.0)
+        too_near = nearer > room
+        if too_near.any():
+            way -= (1.0 - (room[too_near] / nearer[too_near]).min()) * arms
         return np.asarray(way / self._dt)
 
     def _follow_motion(self, velocity: Array) -> None:
@@ -289,6 +293,28 @@ def _follow_motion(
     for axis in range(3):
         momentum_rate[axis] += smooth_momentum * ((spin[axis] - momentum[axis]) / dt - momentum_rate[axis])
         momentum[axis] = spin[axis]
+
+
+def _least_squares(program: QuadraticProgram) -> Array:
+    """Return the step that serves the tasks best within the bounds of each coordinate, shape (nv,); zero if none does.
+
+    What would be beyond its bounds goes as far as it may, and the rest once more as well as it can.
+    """
+    way: Array = np.zeros(len(program.gradient))
+    free = np.ones(len(way), dtype=bool)
+    while free.any():
+        try:
+            rest = program.gradient[free] + program.hessian[np.ix_(free, ~free)] @ way[~free]
+            way[free] = np.linalg.solve(program.hessian[np.ix_(free, free)], -rest)
+        except np.linalg.LinAlgError:
+            return np.zeros(len(free))
+        if not np.isfinite(way).all():
+            return np.zeros(len(free))
+        within = clamp(way, program.low, program.high)
+        if (within == way).all():
+            break
+        way, free = within, free & (within == way)
+    return way
 
 
 def _asks_to_part(program: QuadraticProgram, pairs: int) -> bool:

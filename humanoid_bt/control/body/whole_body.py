@@ -119,7 +119,7 @@ class WholeBody:
         self._home_height = float(self.dynamics.com[2])
         self._home_base = estimate.qpos[:3].copy()
         least_share = self._robot.config.fall.height + _FALL_MARGIN
-        self.kinematics.height_limit.lowest = least_share * float(estimate.qpos[2])
+        self.kinematics.lowest = least_share * float(estimate.qpos[2])
         self.restart(estimate)
         self._home_base[:2] = seen_from(self.walker.stance, self._home_base)
 

@@ -156,6 +156,19 @@ def test_a_hand_that_another_link_keeps_from_its_target_knows_which(
     assert kinematics.hand_obstacles == {}
 
 
+def test_hands_that_are_to_meet_stay_apart_where_the_solver_finds_no_solution(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QuadraticProgram, "solve", lambda _: None)
+    place = np.array([0.35, 0.0, 0.9])
+    wanted = targets(robot, standing, hands={"left": place, "right": place}, reaching=1.0)
+    ways = [nearest(robot, kinematics, "left_hand", "right_hand")]
+    for _ in range(300):
+        assert not kinematics.step(wanted)
+        ways.append(nearest(robot, kinematics, "left_hand", "right_hand"))
+    assert robot.config.collision.margin - 0.012 < min(ways) < ways[0] - 0.1  # they went there
+
+
 def test_an_arm_that_is_out_of_reach_has_no_obstacle(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics
 ) -> None:
