@@ -52,7 +52,7 @@ class FilterNoise:
     accelerometer_bias: float = 0.03
     gyro_drift: float = 1e-6
     accelerometer_drift: float = 1e-4
-    slip: float = 0.03
+    slip: float = 0.02
     twist: float = 0.1
     foot: float = 3e-3
     heading: float = 1e-3
