@@ -10,7 +10,7 @@ from humanoid_bt.control.body.planar import seen_from, wrap
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
-_TOE_OFF, _HEEL_FIRST, _FLAT = 0.22, 0.80, 1.0  # shares of the swing at which it is pitched most, and not any more
+_TOE_OFF, _HEEL_FIRST, _FLAT = 0.30, 0.80, 1.0  # shares of the swing at which it is pitched most, and not any more
 _AS_PLANNED, _ASTRAY = 0.03, 0.10  # m from the planned foothold up to which it lands by its heel, and from which flat
 _MISSED, _HURRY = 0.03, 0.3  # m that no foothold takes out, share by which it is quicker: from either on it stays flat
 _FADE_TIME = 0.02  # s, low-pass of both: they jump
@@ -20,7 +20,7 @@ class FootRoll:
     """The pitch of one swinging foot.
 
     It is the whole of ``toe_off`` and ``heel_strike`` in the longest step straight ahead, and less in a shorter one
-    and in one that turns, or that something disturbs; a foot that goes back or aside stays flat.
+    and in one that turns, or that something disturbs; a foot that goes back or aside, or is stopped, stays flat.
 
     Args:
         gait, sole: the robot's numbers.
@@ -40,7 +40,7 @@ class FootRoll:
         self.rolls = bool(self._toe_off or self._heel_strike)
         self._calm = 1.0  # share of it that is left
 
-    def footing(self, share: float, yaw: float, *, moved: float, missed: float, rate: float) -> Array:
+    def footing(self, share: float, yaw: float, *, moved: float, missed: float, rate: float, stops: bool) -> Array:
         """Go on for one control period; return by how much the sole's centre is higher, and its tilt.
 
         The lowest edge of the sole stays where the centre of a flat one would be.
@@ -51,11 +51,12 @@ class FootRoll:
             moved: how far the foothold is from where it was planned [m].
             missed: how far the DCM will be from where it should be when the foot lands [m].
             rate: how fast the swing runs; 1: as planned.
+            stops: whether the robot is being stopped.
 
         Returns:
             The height [m], and the tilt about the world's x and y [rad], shape (3,).
         """
-        calm = max(0.0, 1.0 - max(missed / _MISSED, (rate - 1.0) / _HURRY))
+        calm = 0.0 if stops else max(0.0, 1.0 - max(missed / _MISSED, (rate - 1.0) / _HURRY))
         self._calm += self._fade * (calm - self._calm)
         as_planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
         pitch = self._calm * self._pitch(share, as_planned * self._heel_strike)

@@ -89,13 +89,14 @@ class Swing:
         self.rate = 1.0
         self.missed: Array = np.zeros(2)
 
-    def update(self, elapsed: float, dcm: Array, zmp: Array) -> None:
+    def update(self, elapsed: float, dcm: Array, zmp: Array, *, stops: bool = False) -> None:
         """Move the foot for one control period.
 
         Args:
             elapsed: control periods since lift-off.
             dcm: measured DCM, shape (2,), world frame [m].
             zmp: reference of the ZMP, shape (2,), world frame [m].
+            stops: whether the robot is being stopped: the foot comes down flat.
         """
         gait, dt = self._gait, self._dt
         self.progress = (elapsed + 1) / self._steps
@@ -115,8 +116,9 @@ class Swing:
         if self._roll.rolls:
             moved = math.dist(self._place.tolist(), self._planned.tolist())
             missed = math.hypot(*self.missed.tolist())
-            yaw = self.pose.item(2)
-            self.rolled = self._roll.footing(self.progress, yaw, moved=moved, missed=missed, rate=self.rate)
+            self.rolled = self._roll.footing(
+                self.progress, self.pose.item(2), moved=moved, missed=missed, rate=self.rate, stops=stops
+            )
             self.footing += self.rolled
 
     def _reach(self, gait: GaitConfig) -> Array:

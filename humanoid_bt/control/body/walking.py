@@ -19,6 +19,7 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
 _LEVEL_TIME = 0.3  # s, its tilt does so: a slope stays, a foot that tips over its edge does not
+_LANDS_AT = 0.05  # rad that a foot is pitched at most when it has landed: its heel is down before it
 _ROLL_TIME = 0.05  # s in which a foot that has landed on its heel lies flat
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
@@ -133,7 +134,7 @@ class Walker:
             soles: measured poses, shape (3,).
             footings: measured heights and tilts, shape (3,), as in ``foot_footing``.
             foot_force: measured normal forces [N].
-            stays: whether it makes no step that it need not make.
+            stays: whether it makes no step that it need not make, and comes to stand on flat feet.
         """
         self.contact = dict.fromkeys(SIDES, True)
         self.still_for = self.still_for + self._dt if self.gait is Gait.STAND else 0.0
@@ -149,7 +150,7 @@ class Walker:
         if self.gait is not Gait.STEP:
             self._catch(dcm, zmp, soles, foot_force)
         if self.gait is Gait.STEP:
-            self._step(goal, dcm, soles, foot_force)
+            self._step(goal, dcm, soles, foot_force, stops=stays)
         self._follow_ground(soles, footings, foot_force)
 
     def _start_step(
@@ -184,7 +185,13 @@ class Walker:
         self.gait = Gait.STEP
 
     def _step(
-        self, goal: Array | None, dcm: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float]
+        self,
+        goal: Array | None,
+        dcm: Array,
+        soles: Mapping[Side, Array],
+        foot_force: Mapping[Side, float],
+        *,
+        stops: bool,
     ) -> None:
         assert self._plan is not None
         now = int(self._elapsed)
@@ -199,11 +206,12 @@ class Walker:
             if self.swing is None:
                 self.swing = self._lift_off(side)
                 self._stood_at = soles[OTHER[side]].item(2)
-            self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference)
+            self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference, stops=stops)
             self.foot_reference[side], self.foot_footing[side] = self.swing.pose, self.swing.footing
             rate = self.swing.rate
             share = (self._elapsed - self._double) / self._single
-            landed = share > self._numbers.touchdown_after and foot_force[side] > self._numbers.touchdown_force
+            touches = share > self._numbers.touchdown_after and foot_force[side] > self._numbers.touchdown_force
+            landed = touches and math.hypot(*self.swing.rolled[1:].tolist()) < _LANDS_AT
         self._elapsed += rate
         if landed:
             self.contact[side] = True

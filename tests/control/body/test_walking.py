@@ -378,3 +378,21 @@ def test_a_foot_that_lands_early_on_its_heel_lies_flat_soon_and_without_a_jump()
     assert pitches[0] < -0.04
     assert np.abs(np.diff(pitches)).max() < 0.03
     assert abs(pitches[-1]) < 0.005
+
+
+@pytest.mark.parametrize("stops", [False, True])
+def test_a_robot_that_is_stopped_in_mid_step_lands_flat(stops: bool) -> None:
+    walker = Walker(replace(GAIT, toe_off=0.4, heel_strike=0.2), SOLE, DT)
+    soles = {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}
+    walker.reset(soles, LEVEL, OMEGA)
+    pitches: list[float] = []  # from when it would land by its heel
+    while walker.swing is not None or not pitches:
+        soles = {side: walker.foot_reference[side].copy() for side in SIDES}
+        footings = {side: walker.foot_footing[side].copy() for side in SIDES}
+        force = {side: 200.0 * walker.contact[side] for side in SIDES}
+        dcm, zmp, stays = walker.dcm_reference, walker.zmp_reference, stops and bool(pitches)
+        walker.update(AHEAD, dcm, zmp, soles, footings=footings, foot_force=force, stays=stays)
+        if walker.swing is not None and (pitches or walker.swing.rolled[2] < -0.1):
+            pitches.append(float(walker.swing.rolled[2]))
+    least = min(pitches)
+    assert least > -0.13 if stops else least < -0.18
