@@ -359,12 +359,13 @@ def test_a_step_that_something_else_began_is_finished_where_the_robot_goes(ideal
     assert walker.gait is Gait.STAND
 
 
-def test_a_foot_that_lands_early_on_its_heel_lies_flat_soon_and_without_a_jump() -> None:
+def test_a_foot_that_meets_the_ground_by_its_heel_has_landed_when_it_lies_nearly_flat_and_does_not_jump() -> None:
     walker = Walker(replace(GAIT, toe_off=0.4, heel_strike=0.2), SOLE, DT)
     soles = {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}
     walker.reset(soles, LEVEL, OMEGA)
     landed: Side | None = None
     pitches: list[float] = []
+    heel_down = 0  # control periods
     while len(pitches) < 60:
         early = walker.swing is not None and walker.swing.progress > 0.85 and walker.swing.rolled[2] < -0.05
         if early and landed is None:
@@ -373,9 +374,12 @@ def test_a_foot_that_lands_early_on_its_heel_lies_flat_soon_and_without_a_jump()
         force = {side: 200.0 * (walker.contact[side] or side == landed) for side in SIDES}
         footings = {side: walker.foot_footing[side].copy() for side in SIDES}
         walker.update(AHEAD, walker.dcm_reference, walker.zmp_reference, soles, footings=footings, foot_force=force)
-        if landed:
+        if landed and walker.contact[landed]:
             pitches.append(float(walker.foot_footing[landed][2]))
-    assert pitches[0] < -0.04
+        elif landed:
+            heel_down += 1
+    assert heel_down > 1  # it swings on: the weight is not there yet
+    assert -0.05 < pitches[0] < -0.03
     assert np.abs(np.diff(pitches)).max() < 0.03
     assert abs(pitches[-1]) < 0.005
 
