@@ -14,7 +14,7 @@ from humanoid_bt.control.body.body import Setpoint
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.footsteps import FootstepPlanner
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
-from humanoid_bt.control.body.planar import seen_from
+from humanoid_bt.control.body.planar import ahead, seen_from
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import (
@@ -345,6 +345,19 @@ def test_the_foot_that_it_turns_about_holds_on_to_the_floor(rig: ControlRig, mon
     assert rig.run(8.0, behind, until=lambda state: state.time > 2 and state.base_settled)
     assert len(turned) > 6
     assert max(turned) < 0.1  # rad; 0.3 if only the legs turned
+
+
+def test_with_a_hand_out_it_walks_on_soles_that_lie_flat(rig: ControlRig) -> None:
+    """Bent by the hand it would hop, and tip over the edge of the foot that carries it."""
+    tips: list[float] = []  # sines
+    for _ in range(200):
+        palm = np.array([*ahead(rig.state.stance, 0.3, 0.2)[:2], 0.9])
+        rig.run(0.02, {"base": BaseTarget(np.array([3.0, 0.0]), 0.0), "left_hand": HandTarget(palm)})
+        if swing := rig.controller.body.walker.swing:
+            carries = "right" if swing.side == "left" else "left"
+            tips.append(abs(rig.plant.data.body(f"{carries}_foot").xmat[6]))
+    assert rig.state.base_position[0] > 1.0
+    assert max(tips) < 0.025  # 0.05 as firm as robots are by default
 
 
 def test_the_plan_knows_which_foot_is_in_the_air(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
