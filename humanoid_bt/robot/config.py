@@ -163,6 +163,13 @@ class GaitConfig:
     heel_strike: float = param(
         0.0, minimum=0, maximum=0.4, unit="rad", doc="Pitch of a foot that lands by its heel, in the longest step."
     )
+    rise: float = param(
+        0.0,
+        minimum=0,
+        maximum=0.1,
+        unit="m",
+        doc="How much higher the body is than standing, in the longest steps straight ahead: knees straighten.",
+    )
     lunge: float = param(
         0.6, minimum=0, maximum=0.8, unit="rad", doc="Farthest lean of the trunk after a push that no step catches."
     )

@@ -32,14 +32,14 @@ def test_a_robot_that_is_pushed_hard_steps_and_stands_again(rig: ControlRig, deg
 
 def test_the_height_that_is_planned_comes_down_with_a_robot_that_a_push_makes_sink(rig: ControlRig) -> None:
     far = {"base": BaseTarget(np.array([3.0, 0.0]), 0.0)}
-    assert rig.run(5.0, far, until=lambda state: state.gait is Gait.STEP and state.base_position[0] > 0.3)
+    assert rig.run(5.0, far, until=lambda state: state.gait is Gait.STEP and state.base_position[0] > 0.7)
     rig.plant.push("torso", np.array([0.0, 200.0, 0.0]), 0.1)
     body, above = rig.controller.body, []
     for _ in range(75):
         rig.run(0.02, far)
         above.append(body.kinematics.com_height - body.dynamics.com[2])
     assert rig.state.mode is Mode.RUN
-    assert 0.02 < max(above) < 0.06  # m; it falls if the plan stays where it was
+    assert 0.02 < max(above) < 0.05  # m; 0.065 if the plan stays where it was
 
 
 def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(

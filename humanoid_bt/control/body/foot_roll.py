@@ -19,8 +19,8 @@ _FADE_TIME = 0.02  # s, low-pass of both: they jump
 class FootRoll:
     """The pitch of one swinging foot.
 
-    It is the whole of ``toe_off`` and ``heel_strike`` in the longest step straight ahead, and less in a shorter one
-    and in one that turns, or that something disturbs; a foot that goes back or aside, or is stopped, stays flat.
+    It is the whole of ``toe_off`` and ``heel_strike`` in a full stride, and less in a shorter one; a foot that goes
+    back or aside, or is stopped, stays flat.
 
     Args:
         gait, sole: the robot's numbers.
@@ -28,17 +28,15 @@ class FootRoll:
         start, foothold: planned poses of the sole, shape (3,).
 
     Attributes:
-        rolls: whether it does not stay flat.
+        stride: how much of the longest step straight ahead it is, in [0, 1]; less if it turns or is disturbed.
     """
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, dt: float, start: Array, foothold: Array) -> None:
-        self._half_length = sole.half_length
+        self._gait, self._half_length = gait, sole.half_length
         self._fade = min(1.0, dt / _FADE_TIME)
         long = min(max(seen_from(start, foothold).item(0) / (2 * gait.step_forward), 0.0), 1.0)
         straight = max(0.0, 1.0 - abs(wrap(float(foothold[2] - start[2]))) / gait.step_turn)
-        self._toe_off, self._heel_strike = (long * straight * most for most in (gait.toe_off, gait.heel_strike))
-        self.rolls = bool(self._toe_off or self._heel_strike)
-        self._calm = 1.0  # share of it that is left
+        self._planned = self.stride = long * straight
 
     def footing(self, share: float, yaw: float, *, moved: float, missed: float, rate: float, stops: bool) -> Array:
         """Go on for one control period; return by how much the sole's centre is higher, and its tilt.
@@ -57,19 +55,20 @@ class FootRoll:
             The height [m], and the tilt about the world's x and y [rad], shape (3,).
         """
         calm = 0.0 if stops else max(0.0, 1.0 - max(missed / _MISSED, (rate - 1.0) / _HURRY))
-        self._calm += self._fade * (calm - self._calm)
+        self.stride += self._fade * (calm * self._planned - self.stride)
         as_planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
-        pitch = self._calm * self._pitch(share, as_planned * self._heel_strike)
+        pitch = self.stride * _pitch(share, self._gait.toe_off, as_planned * self._gait.heel_strike)
         return np.array([self._half_length * math.sin(abs(pitch)), -pitch * math.sin(yaw), pitch * math.cos(yaw)])
 
-    def _pitch(self, share: float, heel_strike: float) -> float:
-        """Return the pitch of a calm step that lands by so much heel [rad], positive with the heel up."""
-        if share < _TOE_OFF:
-            return self._toe_off * _eased(share / _TOE_OFF)
-        if share < _HEEL_FIRST:
-            between = _eased((share - _TOE_OFF) / (_HEEL_FIRST - _TOE_OFF))
-            return self._toe_off - between * (self._toe_off + heel_strike)
-        return -heel_strike * (1.0 - _eased(min(1.0, (share - _HEEL_FIRST) / (_FLAT - _HEEL_FIRST))))
+
+def _pitch(share: float, toe_off: float, heel_strike: float) -> float:
+    """Return the pitch in a full stride [rad], positive with the heel up."""
+    if share < _TOE_OFF:
+        return toe_off * _eased(share / _TOE_OFF)
+    if share < _HEEL_FIRST:
+        between = _eased((share - _TOE_OFF) / (_HEEL_FIRST - _TOE_OFF))
+        return toe_off - between * (toe_off + heel_strike)
+    return -heel_strike * (1.0 - _eased(min(1.0, (share - _HEEL_FIRST) / (_FLAT - _HEEL_FIRST))))
 
 
 def _eased(share: float) -> float:

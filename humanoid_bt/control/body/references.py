@@ -22,6 +22,7 @@ _PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
 _NECK_SHARE = 0.9  # of the neck's range that is used before the torso helps
 _SUNK = 0.01  # m that a robot that steps may be lower than the reference of its height, which then sinks with it
 _SINK_SPEED, _RISE_SPEED = 1.0, 0.6  # m/s of this reference
+_STRETCH_TIME = 0.2  # s in which knees straighten in long steps, and bend again
 _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
 
 
@@ -245,29 +246,40 @@ def _toward(point: Array, goal: Array, step: float) -> Array:
 
 
 class ComHeightReference:
-    """The reference of the height of the centre of mass: rises slowly where a push has made a robot sink that steps.
+    """The reference of the height of the centre of mass.
 
-    The leg that lands next would push the robot up at once, and off the ground.
+    It is higher in long steps, in which the knees straighten. It rises slowly where a push has made a robot sink that
+    steps: the leg that lands next would push the robot up at once, and off the ground.
 
     Args:
+        rise: how much higher it is in the longest steps straight ahead [m].
         dt: control period [s].
 
     Attributes:
         height: of the centre of mass [m].
     """
 
-    def __init__(self, dt: float) -> None:
-        self._dt = dt
+    def __init__(self, rise: float, dt: float) -> None:
+        self._rise, self._dt = rise, dt
+        self._risen = self._rising = 0.0
         self.height = 0.0
 
-    def update(self, wanted: float, measured: float, steps: bool) -> float:
+    def reset(self, height: float) -> None:
+        """Begin at a height [m]."""
+        self._risen, self._rising, self.height = 0.0, 0.0, height
+
+    def update(self, wanted: float, measured: float, *, steps: bool, stride: float = 0.0) -> float:
         """Return the reference [m].
 
         Args:
-            wanted, measured: the height [m].
+            wanted, measured: the height [m], wanted as a robot that stands.
             steps: whether a step is going on.
+            stride: how much of the longest step straight ahead it is, in [0, 1].
         """
-        after = wanted
+        pull = (self._rise * stride - self._risen) / _STRETCH_TIME - 2 * self._rising
+        self._rising += self._dt / _STRETCH_TIME * pull
+        self._risen += self._dt * self._rising
+        after = wanted = wanted + self._risen
         if steps:
             after = max(min(wanted, measured + _SUNK), min(wanted, self.height - _SINK_SPEED * self._dt))
         self.height = min(after, self.height + _RISE_SPEED * self._dt)

@@ -113,13 +113,16 @@ class Swing:
             self.pose, self.footing, self._motion, self.target, self._start, self._support, *self._footings,
             self.progress, (1.0 - self.progress) * gait.single_support / self.rate, gait.lift, dt,
         )  # fmt: skip
-        if self._roll.rolls:
-            moved = math.dist(self._place.tolist(), self._planned.tolist())
-            missed = math.hypot(*self.missed.tolist())
-            self.rolled = self._roll.footing(
-                self.progress, self.pose.item(2), moved=moved, missed=missed, rate=self.rate, stops=stops
-            )
-            self.footing += self.rolled
+        moved, missed = math.dist(self._place.tolist(), self._planned.tolist()), math.hypot(*self.missed.tolist())
+        self.rolled = self._roll.footing(
+            self.progress, self.pose.item(2), moved=moved, missed=missed, rate=self.rate, stops=stops
+        )
+        self.footing += self.rolled
+
+    @property
+    def stride(self) -> float:
+        """How much of the longest step straight ahead it is, in [0, 1]; less if it turns or is disturbed."""
+        return self._roll.stride
 
     def _reach(self, gait: GaitConfig) -> Array:
         """Return least and most of each coordinate of the foothold, seen from the other foot, shape (2, 2) [m]."""

@@ -50,6 +50,7 @@ class Walker:
         swing: the swing that is going on, if any.
         footsteps: planned footholds, the next first.
         ground: height of what carries the robot [m].
+        stride: how much of the longest step straight ahead it makes, in [0, 1]: as the last swing.
         still_for: how long it has been standing [s].
     """
 
@@ -68,6 +69,7 @@ class Walker:
         self.swing: Swing | None = None
         self.footsteps: list[Footstep] = []
         self.ground = 0.0
+        self.stride = 0.0
         self.still_for = 0.0
         self._plan: DcmPlan | None = None
         self._elapsed = 0.0  # control periods in the plan; not whole when a step hurries
@@ -90,7 +92,7 @@ class Walker:
         self.ground = self._carrying_height()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
         self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
-        self.still_for = 0.0
+        self.stride = self.still_for = 0.0
 
     def go_on(self, lifted: Side, dcm: Array) -> None:
         """Finish a step that something else has begun, toward where the robot is moving; call it after :meth:`reset`.
@@ -208,7 +210,7 @@ class Walker:
                 self._stood_at = soles[OTHER[side]].item(2)
             self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference, stops=stops)
             self.foot_reference[side], self.foot_footing[side] = self.swing.pose, self.swing.footing
-            rate = self.swing.rate
+            rate, self.stride = self.swing.rate, self.swing.stride
             share = (self._elapsed - self._double) / self._single
             touches = share > self._numbers.touchdown_after and foot_force[side] > self._numbers.touchdown_force
             landed = touches and math.hypot(*self.swing.rolled[1:].tolist()) < _LANDS_AT
@@ -254,7 +256,7 @@ class Walker:
             return
         middle = self.stance[:2]
         self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
-        self.gait, self._elapsed, self.footsteps = Gait.SETTLE, 0.0, []
+        self.gait, self._elapsed, self.footsteps, self.stride = Gait.SETTLE, 0.0, [], 0.0
 
     def _settle(self) -> None:
         assert self._plan is not None

@@ -104,7 +104,7 @@ class WholeBody:
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
-        self._com_height = ComHeightReference(dt)
+        self._com_height = ComHeightReference(config.gait.rise, dt)
         self._home_base: Array = np.zeros(3)  # as seen from the stance
         self._asked: dict[Side, ArmTarget | None] = {}  # of arms that are rearranged
         self._eased, self._lunged = 1.0, False
@@ -152,7 +152,7 @@ class WholeBody:
         self._asked.clear()
         self._eased, self._lunged = 1.0, False
         self.kinematics.ease(1.0)
-        self._com_height.height = float(self.dynamics.com[2])
+        self._com_height.reset(float(self.dynamics.com[2]))
         self._height = self._com_height.height - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
@@ -276,7 +276,9 @@ class WholeBody:
         self._arm_swing.update(stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
         wanted = walker.ground + self._home_height + self._height - self._lean.crouch
-        height = self._com_height.update(wanted, float(self.dynamics.com[2]), steps=walker.gait is Gait.STEP)
+        measured, steps = float(self.dynamics.com[2]), walker.gait is Gait.STEP
+        stride = 0.0 if busy else walker.stride  # stretched legs and an arm that pulls at it would make it hop
+        height = self._com_height.update(wanted, measured, steps=steps, stride=stride)
         return BodyTargets(
             com=np.array([x, y, height]),
             soles=walker.foot_reference,

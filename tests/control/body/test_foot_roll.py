@@ -71,6 +71,20 @@ def test_a_step_back_or_aside_or_that_turns_is_flat(foothold: tuple[float, float
     np.testing.assert_allclose(pitches(np.array(foothold)), 0.0, atol=1e-12)
 
 
+def test_a_stride_is_long_straight_and_undisturbed() -> None:
+    assert begun(LONGEST).stride == 1.0
+    assert begun(LONGEST, GaitConfig()).stride == 1.0  # of a robot that walks on flat feet, too
+    assert begun(LONGEST / 2).stride == pytest.approx(0.5)
+    assert begun(np.array([*LONGEST[:2], GAIT.step_turn / 2])).stride == pytest.approx(0.5)
+    assert begun(np.array([-0.2, 0.0, 0.0])).stride == 0.0
+    roll = begun(LONGEST)
+    strides = [(footing(roll, 0.5, missed=0.03), roll.stride)[1] for _ in range(30)]
+    assert strides[0] == pytest.approx(1 - DT / 0.02)
+    assert strides[-1] < 0.05
+    footing(roll, 0.5)
+    assert roll.stride > 0.1
+
+
 def test_a_short_step_rolls_less() -> None:
     np.testing.assert_allclose(pitches(LONGEST / 2), pitches(LONGEST) / 2)
 

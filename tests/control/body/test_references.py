@@ -227,8 +227,8 @@ def test_released_joints_go_home_at_limited_speed() -> None:
 
 
 def test_the_height_of_a_robot_that_a_push_made_sink_as_it_steps_follows_it_down_and_rises_slowly() -> None:
-    com = ComHeightReference(DT)
-    com.height = 0.7
+    com = ComHeightReference(0.0, DT)
+    com.reset(0.7)
     assert com.update(0.7, 0.695, steps=True) == 0.7  # as every step sways
     falls = [com.update(0.7, 0.6, steps=True) for _ in range(40)]
     assert falls[0] == pytest.approx(0.7 - 1.0 * DT)
@@ -239,11 +239,37 @@ def test_the_height_of_a_robot_that_a_push_made_sink_as_it_steps_follows_it_down
 
 
 def test_the_height_of_a_robot_that_stands_does_not_sink_with_it() -> None:
-    com = ComHeightReference(DT)
-    com.height = 0.7
+    com = ComHeightReference(0.0, DT)
+    com.reset(0.7)
     assert com.update(0.7, 0.6, steps=False) == 0.7
     assert com.update(0.65, 0.6, steps=False) == 0.65  # what is asked for, at once: it is slow itself
     assert com.update(0.7, 0.6, steps=False) == pytest.approx(0.65 + 0.6 * DT)
+
+
+def test_the_body_rises_in_long_steps_and_comes_down_again() -> None:
+    com = ComHeightReference(0.02, DT)
+    com.reset(0.7)
+
+    def heights(stride: float) -> np.ndarray:
+        return np.array([com.height] + [com.update(0.7, 0.72, steps=True, stride=stride) for _ in range(400)])
+
+    rises = heights(1.0)
+    assert rises[-1] == pytest.approx(0.72, abs=1e-4)
+    assert 0 < np.diff(rises).max() < 0.05 * DT
+    assert np.abs(np.diff(rises, 2)).max() < 1.0 * DT**2  # no jerk
+    assert heights(0.5)[-1] == pytest.approx(0.71, abs=1e-4)
+    sinks = heights(0.0)
+    assert sinks[-1] == pytest.approx(0.7, abs=1e-4)
+    assert sinks.min() > 0.6999
+    heights(1.0)
+    com.reset(0.7)
+    assert com.update(0.7, 0.7, steps=False) == 0.7
+
+
+def test_the_plan_of_a_robot_that_rises_stays_near_it() -> None:
+    com = ComHeightReference(0.02, DT)
+    com.reset(0.7)
+    assert max(com.update(0.7, 0.7, steps=True, stride=1.0) for _ in range(400)) == pytest.approx(0.71)
 
 
 @pytest.mark.parametrize(("value", "goal", "after"), [(0, 1, 0.1), (0, -1, -0.1), (0.95, 1, 1), (1, 1, 1)])

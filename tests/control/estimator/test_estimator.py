@@ -223,7 +223,7 @@ def test_legs_say_nothing_of_the_velocity_where_no_gyroscope_says_how_they_are_t
     assert not asked
 
 
-@pytest.mark.parametrize("moment", [0.96, 1.2, 1.24, 1.3])
+@pytest.mark.parametrize("moment", [0.96, 1.2, 1.3, 1.44])
 def test_after_a_silence_it_is_known_again_how_the_robot_moves(
     rig: ControlRig, moment: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
