@@ -212,7 +212,10 @@ class WholeBodyConfig:
     reach_torso: float = param(0.3, minimum=0, doc="Cost of the torso's orientation while reaching.")
     reach_base: float = param(2.0, minimum=0, doc="Cost of the pelvis' orientation while reaching.")
     walk_firmness: float = param(
-        3.0, minimum=1, doc="Factor of the costs of height, pelvis and torso while it walks with a hand out."
+        3.0, minimum=1, doc="Factor of the costs of pelvis and torso while it walks with a hand out."
+    )
+    walk_height_firmness: float = param(
+        3.0, minimum=1, doc="Factor of the cost of the centre of mass' height while it walks with a hand out."
     )
     damping: float = param(1e-4, above=0, doc="Damping of the inverse kinematics.")
     hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")

@@ -48,6 +48,12 @@ def test_a_robot_that_walks_is_not_thrown_by_its_hand() -> None:
     assert trial("IK without solution for 0.1 s", "walking with a hand out", 1010).as_told
 
 
+@pytest.mark.parametrize("seed", [74, pytest.param(205, marks=pytest.mark.trials)])
+def test_a_robot_whose_pelvis_and_trunk_give_way_is_not_thrown_when_its_hand_is_pushed(seed: int) -> None:
+    """As firm as its height, three robots of a hundred fell."""
+    assert trial("a hand pushed, 60 N for 0.2 s", "walking with a hand out", seed).as_told
+
+
 @pytest.mark.trials
 def test_the_same_seed_gives_the_same_outcome() -> None:
     first = trial("decision stopped for 0.5 s", "walking straight", 3)

@@ -58,7 +58,7 @@ class BodyTargets:
         posture: joint posture, shape (nj,) [rad].
         palms: goals of those of these hands that are turned, or held relative to the other one.
         arms: joints, by their indices, that are commanded by name: the posture has their angles.
-        firmness: factor of the costs of height, pelvis and torso: above 1 they are kept from the hands.
+        firmness: factors of the cost of height and of those of pelvis and torso: above 1 they are kept from the hands.
         swings: the foot that is in the air, None if none is: balance is worth more than where exactly it is.
     """
 
@@ -75,7 +75,7 @@ class BodyTargets:
     posture: Array
     palms: Mapping[Side, HandTarget] = field(default_factory=dict)
     arms: Sequence[int] = ()
-    firmness: float = 1.0
+    firmness: tuple[float, float] = (1.0, 1.0)
     swings: Side | None = None
     tilt: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
@@ -132,7 +132,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._goals: Array = np.zeros(_POSTURE + joints)
         self._data: mujoco.MjData | None = None  # of which the views are
         self._arms: Sequence[int] = ()
-        self._given = (-1.0, -1.0, 1.0)  # to the hands, how far it leans for the eyes, and its firmness
+        self._given = (-1.0, -1.0, (1.0, 1.0))  # to the hands, how far it leans for the eyes, and its firmness
         self._bends = 0.0  # share of what a hand bends the torso further than the eyes need that it may stay bent
 
     def aim(self, data: mujoco.MjData, targets: BodyTargets) -> None:
@@ -205,15 +205,16 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         for side, cost in self._sole_costs.items():
             cost[:] = self._sole_cost * (_SWINGS if side == swings else 1.0)
 
-    def _give_body_to_hands(self, reaching: float, lean: float, firmness: float) -> None:
+    def _give_body_to_hands(self, reaching: float, lean: float, firmness: tuple[float, float]) -> None:
         """Set what height, pelvis and torso cost; while the eyes need the torso to lean it is not turned away."""
         weights, held = self._weights, min(1.0, lean / _LEANS)
         torso = weights.reach_torso + held * (weights.torso_orientation - weights.reach_torso)
         pull = (weights.reach_torso / torso) ** 2 if torso else 1.0  # then it is pulled up no harder than for no eyes
         self._bends = reaching * (1 - pull)
-        self._com_cost[:] = (*weights.com[:2], firmness * _blend(weights.com[2], weights.reach_height, reaching))
-        self._base_cost[:] = firmness * _blend(weights.base_orientation, weights.reach_base, reaching)
-        self._torso_cost[:] = firmness * _blend(weights.torso_orientation, torso, reaching)
+        height, turns = firmness
+        self._com_cost[:] = (*weights.com[:2], height * _blend(weights.com[2], weights.reach_height, reaching))
+        self._base_cost[:] = turns * _blend(weights.base_orientation, weights.reach_base, reaching)
+        self._torso_cost[:] = turns * _blend(weights.torso_orientation, torso, reaching)
 
 
 def _blend(free: float, reaching: float, share: float) -> float:

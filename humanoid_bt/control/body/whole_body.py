@@ -55,6 +55,7 @@ _BLENDED = 1e-3  # of a share; the rest is taken in one step
 _FALL_MARGIN = 0.05  # share of the base's home height that is kept above the height of a fall
 _GIVE_TIME = 0.3  # s in which the body is given to a reaching hand
 _TAKE_BACK_TIME = 0.8  # s in which it is taken back, from wherever it leans
+_NOT_FIRM = (1.0, 1.0)  # height, pelvis and torso of a body with no hand out, or that is given to it
 
 
 class WholeBody:
@@ -104,6 +105,7 @@ class WholeBody:
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
+        self._firmness = (config.whole_body.walk_height_firmness, config.whole_body.walk_firmness)
         self._com_height = ComHeightReference(config.gait.rise, dt)
         self._home_base: Array = np.zeros(3)  # as seen from the stance
         self._asked: dict[Side, ArmTarget | None] = {}  # of arms that are rearranged
@@ -293,7 +295,7 @@ class WholeBody:
             posture=self._posture.joints + self._arm_swing.joints,
             palms=palms,
             arms=self._held_joints,
-            firmness=self._robot.config.whole_body.walk_firmness if hands and not standing else 1.0,
+            firmness=self._firmness if hands and not standing else _NOT_FIRM,
             swings=walker.swing.side if walker.swing else None,
             tilt=tilt,
         )
