@@ -245,7 +245,7 @@ def test_the_hash_covers_the_edits(root: Path) -> None:
 def test_the_recording_follows_the_tree(root: Path, tmp_path: Path) -> None:
     both = "format: 1\nroot:\n  emergency_stop: {sequence: [{wait: {duration: 0.2}}, walk]}\n"
     file = tmp_path / "run.rrd"
-    ran = watched(root, WALK, edited(root, (25, both)), duration=3.0, recording=file)
+    ran = watched(root, WALK, edited(root, (25, both)), duration=4.0, recording=file)
     swap = ran.report.reloads[0].time
     documents = rows(file, "/documents/tree", "TextDocument:text")
     assert [time for time, _ in documents] == [0.0, swap]

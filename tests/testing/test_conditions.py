@@ -124,7 +124,7 @@ def test_feet_step_on_plates(stage, monkeypatch):
         stage.run(WALK, parameters={"x": 1.2}, duration=5, conditions={"plates": plates})
         return max(heights)
 
-    assert highest("0 mm") < 0.004  # m: for a moment, as quick steps begin
+    assert highest("0 mm") < 0.0055  # m: for a moment, as one foot lands by its heel and the other leaves by its toe
     assert highest("10 mm") > 0.007
 
 
