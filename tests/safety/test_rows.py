@@ -50,7 +50,7 @@ def test_a_robot_that_walks_is_not_thrown_by_its_hand() -> None:
 
 @pytest.mark.parametrize("seed", [74, pytest.param(205, marks=pytest.mark.trials)])
 def test_a_robot_whose_pelvis_and_trunk_give_way_is_not_thrown_when_its_hand_is_pushed(seed: int) -> None:
-    """As firm as its height, three robots of a hundred fell."""
+    """Ten times as firm, three robots of a hundred fell."""
     assert trial("a hand pushed, 60 N for 0.2 s", "walking with a hand out", seed).as_told
 
 

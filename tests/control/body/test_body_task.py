@@ -94,6 +94,19 @@ def test_its_residual_and_its_objective_are_one_problem(
     np.testing.assert_allclose(objective.c, -jacobian.T @ error, atol=1e-9)
 
 
+def test_height_and_turns_of_a_body_are_firm_each_by_its_own_factor(
+    robot: RobotModel, standing: Array, targets: BodyTargets
+) -> None:
+    task, data = BodyTask(robot, robot.model), data_at(robot, standing)
+    task.aim(data, targets)
+    before = task.cost.copy()
+    task.aim(data, replace(targets, firmness=(5.0, 2.0)))
+    factors = np.divide(task.cost, before, out=np.ones_like(before), where=before > 0)
+    assert factors[2] == pytest.approx(5.0)  # the height of the centre of mass
+    np.testing.assert_allclose(factors[15:21], 2.0)  # pelvis and torso
+    np.testing.assert_allclose(np.delete(factors, [2, *range(15, 21)]), 1.0)
+
+
 def test_a_foot_in_the_air_costs_less_but_for_its_height(
     robot: RobotModel, standing: Array, targets: BodyTargets
 ) -> None:

@@ -359,6 +359,19 @@ def test_a_step_that_something_else_began_is_finished_where_the_robot_goes(ideal
     assert walker.gait is Gait.STAND
 
 
+def test_a_walker_strides_while_it_walks_ahead_and_not_once_it_stands(ideal: Ideal) -> None:
+    ideal.until_swing()
+    ideal.go(1.0, AHEAD)
+    assert ideal.walker.stride > 0.5
+    ideal.go(6.0, AHEAD)
+    assert ideal.walker.gait is Gait.STAND
+    assert ideal.walker.stride == 0.0
+    ideal.go(1.0, 3 * AHEAD)
+    assert ideal.walker.stride > 0.5
+    ideal.walker.reset(ideal.walker.foot_reference, LEVEL, OMEGA)
+    assert ideal.walker.stride == 0.0
+
+
 def test_a_foot_that_meets_the_ground_by_its_heel_has_landed_when_it_lies_nearly_flat_and_does_not_jump() -> None:
     walker = Walker(replace(GAIT, toe_off=0.4, heel_strike=0.2), SOLE, DT)
     soles = {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}
