@@ -1,10 +1,12 @@
 """Stand and look alive."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from humanoid_bt import Skill, Status, param
+from humanoid_bt import Skill, Status, of_gaze, param
 
 _FAR, _NEAR = 0.2, 0.5  # rad below the eyes' height that it looks
 
@@ -19,6 +21,11 @@ class Idle(Skill):
     sweep_period: float = param(9.0, unit="s", above=0, doc="Time of a sweep from side to side and back.")
     breath: float = param(0.005, unit="m", minimum=0, maximum=0.03, doc="Rise and fall of the body.")
     breath_period: float = param(4.0, unit="s", above=0, doc="Time of a breath.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return no gaze unless it is to look around."""
+        return of_gaze(cls.resources, values["look_around"])
 
     def initialise(self) -> None:
         """Begin with a glance ahead."""

@@ -83,6 +83,9 @@ class Offer(Skill):
             self._height = _HEIGHT * float(state.gaze_position[2]) if self.height is None else self.height
         aim = self._aim(track)
         if aim is None:
+            nearest = self.robot.config.whole_body.hand_nearest
+            if self.distance is not None and self.distance < nearest:
+                return self.fail(f"{self.distance:.2f} m is too near to hold a palm out: it takes {nearest:.2f} m")
             return self.fail(f"{self.target} is too near: {track.distance:.2f} m")
         return self._hold_out(self._hand, aim)
 

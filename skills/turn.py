@@ -27,7 +27,7 @@ class Turn(Skill):
         """Count from here."""
         self._spot = self.robot.state.stance[:2].copy()
         self._facing = float(self.robot.state.stance[2])
-        self._to_go = self.angle
+        self._angle = self._to_go = self.angle
         self._left = Improving(self.patience, step=0.03)
         self._route = Route(self.robot)
 
@@ -37,7 +37,7 @@ class Turn(Skill):
         facing = float(state.stance[2])
         self._to_go -= math.remainder(facing - self._facing, math.tau)
         self._facing = facing
-        self.turned = self.angle - self._to_go
+        self.turned = self._angle - self._to_go
         there = abs(self._to_go) < self.tolerance
         if there and state.base_settled:
             return self.succeed(f"turned {math.degrees(self.turned):z.0f} deg")

@@ -41,7 +41,7 @@ class WalkTo(Skill):
     def initialise(self) -> None:
         """Choose where to face, once, for the direction to a place that is near means little."""
         gait, stance = self.robot.config.gait, self.robot.state.stance
-        self._goal = np.array([self.x, self.y])
+        self._goal, self._where = np.array([self.x, self.y]), f"({self.x:g}, {self.y:g})"
         offset = self._goal - stance[:2]
         if self.heading is not None:
             self._heading = self.heading
@@ -66,13 +66,13 @@ class WalkTo(Skill):
             if now - self._came < _COMES_TO_REST * self.patience:
                 self._restart()
         if there and state.base_settled:
-            return self.succeed(f"{to_go * 100:.0f} cm from ({self.x:g}, {self.y:g})")
+            return self.succeed(f"{to_go * 100:.0f} cm from {self._where}")
         if there and state.gait is Gait.STAND:
             return self.await_rest("coming to rest")
         if not self._route.follow(self._goal, self._heading):
             self._restart()
             if self._route.hopeless:
-                return self.fail(f"no way to ({self.x:g}, {self.y:g}): {self._route.blocked}")
+                return self.fail(f"no way to {self._where}: {self._route.blocked}")
             return self.running(f"waiting: {self._route.blocked}")
         if not self._comes_nearer():
             left = f"{to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go"

@@ -61,8 +61,8 @@ class Wave(Skill):
         elif self.robot.touched(self._hand) or not self._error.update(error, self.robot.clock.now()):
             return self.fail(self.robot.why_no_nearer(self._hand, self._error.best))
         self.waved = max(self._strokes, 0) // 2
-        if self.waved == self.times:
-            return self.succeed(f"waved the {self._hand} hand {_times(self.times)}")
+        if self.waved >= self.times:
+            return self.succeed(f"waved the {self._hand} hand {_times(self.waved)}")
         if self._strokes < 0:
             return self.running(f"raising the {self._hand} hand")
         return self.running(f"waved {self.waved} of {_times(self.times)}")

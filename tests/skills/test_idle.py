@@ -1,12 +1,14 @@
 """The skill ``idle``, alone on the simulated robot."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from py_trees.common import Status
 
 from humanoid_bt import Gait, Rig
+from humanoid_bt.cli import main
 
 
 @pytest.mark.trials
@@ -36,3 +38,14 @@ def test_stands_up_again_when_halted(rig: Rig) -> None:
     height = rig.state.com[2]
     rig.run("idle", breath=0.02, timeout=2)
     assert rig.settle(1.5).com[2] == pytest.approx(height, abs=0.002)
+
+
+def test_one_that_does_not_look_around_leaves_the_gaze_to_others(tmp_path: Path) -> None:
+    (tmp_path / "trees").mkdir()
+    tree = tmp_path / "trees" / "breathes.yaml"
+    tree.write_text(
+        "format: 1\nscene: ball_on_stand\nroot: {emergency_stop: {watchdog: {percept: target, max_age: 0.5 s, "
+        "parallel: {success: 1, children: [{idle: {look_around: false}}, {look_at: {target: target}}]}}}}\n",
+        encoding="utf-8",
+    )
+    assert main(["check", str(tree)]) == 0

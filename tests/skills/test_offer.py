@@ -105,3 +105,9 @@ def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
     assert not any("gaze" in command.targets for command in result.commands)
     assert result.results["hand_error"] < 0.03
     assert result.results["target_distance"] == pytest.approx(1.02, abs=0.03)
+
+
+def test_says_that_the_distance_is_too_near_to_hold_a_hand_out(rig: Rig) -> None:
+    result = rig.run("offer", target=(1.0, 0.0, 1.0), distance=0.05)
+    assert result.failed
+    assert result.feedback == "0.05 m is too near to hold a palm out: it takes 0.10 m"
