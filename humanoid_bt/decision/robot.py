@@ -6,6 +6,7 @@ Targets set during a tick are buffered and leave as one :class:`~humanoid_bt.cor
 from __future__ import annotations
 
 import logging
+import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -270,8 +271,9 @@ class Robot:
         turn = rotation_matrix(quaternion)
         position: Array = base + turn @ percept.position
         position.setflags(write=False)
-        heading = percept.heading + heading_of(turn)
-        if percept.size is None and known is not None and known[0].size is not None and known[0].confidence > 0:
+        heading = math.remainder(percept.heading + heading_of(turn), math.tau)
+        stays = known is not None and (known[0].confidence > 0 or percept.confidence == 0)
+        if percept.size is None and known is not None and known[0].size is not None and stays:
             percept, heading = replace(percept, size=known[0].size), known[2]
         return percept, position, heading, quaternion
 

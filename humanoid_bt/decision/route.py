@@ -11,6 +11,7 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.core.texts import few, listed
+from humanoid_bt.decision import arguments
 from humanoid_bt.decision.giving_way import GivingWay
 from humanoid_bt.decision.obstacles import SLACK, Obstacles, clear
 from humanoid_bt.decision.robot_handle import RobotHandle
@@ -80,8 +81,11 @@ class Route:
             place: where to stand, shape (2,), middle between the feet, world frame [m].
             heading: where to face there, world frame [rad].
             ignore: obstacles that the robot walks up to and faces there: it may stand as near to them as its feet can.
+
+        Raises:
+            ValueError: a number is not finite, or the place is out of the world.
         """
-        goal = np.array(place, dtype=float)
+        goal, heading = arguments.place(place, 2), arguments.number(heading, "heading", math.inf, "rad")
         here = self._robot.state.stance[:2]
         around = self._around.look()
         self._measure(np.array([here, goal]), heading)
@@ -137,7 +141,7 @@ class Route:
 
     def is_straight(self, place: Any) -> bool:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
-        goal = np.array(place, dtype=float)[None]
+        goal = arguments.place(place, 2)[None]
         return bool(self._around.look().straight(self._robot.state.stance[:2], goal, self._narrow).all())
 
     def hits(self, place: Any) -> str:
@@ -145,7 +149,7 @@ class Route:
 
         Names as in a sentence; "" if there is nothing. What it stands beside it may leave, and not come nearer to.
         """
-        around, here, goal = self._around.look(), self._robot.state.stance[:2], np.array(place, dtype=float)
+        around, here, goal = self._around.look(), self._robot.state.stance[:2], arguments.place(place, 2)
         if not len(around):
             return ""
         start, end = around.beyond(here[None]), around.beyond(goal[None])
