@@ -84,12 +84,13 @@ def _named(item: Item, problems: list[Problem]) -> Iterator[NamedSource]:
     elif isinstance(item.value, str) and item.value.strip():
         yield NamedSource(item.value, Item({}, item.place), item.place)
     elif isinstance(item.value, dict):
-        for name, values in item.value.items():
-            place = item.key_places.get(name, item.place)
+        for key, values in item.value.items():
+            name, place = str(key), item.key_places.get(key, item.place)  # from Python, a key may be anything
             if values.value is None:
                 yield NamedSource(name, Item({}, place), place)
             elif isinstance(values.value, dict):
-                yield NamedSource(name, values, place)
+                texts = {str(parameter): value for parameter, value in values.value.items()}
+                yield NamedSource(name, Item(texts, values.place, values.key_places), place)
             else:
                 message = f"the parameters of the source {name!r} must be a mapping, not {values.kind}"
                 problems.append(Problem(message, values.place, f"{name}: {{PARAMETER: VALUE}}", "wrong-type"))

@@ -11,7 +11,7 @@ from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import params_of
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.core.sources import NamedSource, Sources
-from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.files.class_files import class_file, method_place, place_in_file
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.source import PerceptSource
@@ -160,7 +160,7 @@ def _raised(name: str, cls: type[PerceptSource], method: str, error: Exception) 
     """Return what is told of a source whose method raised something."""
     file = class_file(cls)
     place = (place_in_file(error, file) if file else None) or method_place(cls, method)
-    message = f"the percept source {name!r} raised {type(error).__name__}: {error}"
+    message = f"the percept source {name!r} raised {told(error)}"
     return Problem(message, place, f"raised by its {method}", "broken-source")
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import relative
 from humanoid_bt.core.messages import SIGHT, Array, Percept
-from humanoid_bt.core.texts import one_line, shortened
+from humanoid_bt.core.texts import one_line, shortened, told
 from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.source import Moment, PerceptSource
@@ -145,8 +145,7 @@ class Worker:
         where = f" ({place or relative(file or Path(self.label))})"
         if isinstance(error, PerceptError):
             return f"answers wrongly: {error}{where}"
-        said = shortened(one_line(str(error)), _LONGEST)
-        return f"raised {type(error).__name__}{f': {said}' if said else ''}{where}"
+        return f"raised {shortened(one_line(told(error).removesuffix(': ')), _LONGEST)}{where}"
 
 
 def _obeyed(order: Callable[[], Any]) -> Looked | BaseException:
