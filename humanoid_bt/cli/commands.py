@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.units import readable
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.session.outside_parameters import Described
 from humanoid_bt.session.session import Session
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.show import outline_of, unicode_tree
@@ -65,7 +66,8 @@ def _keys(session: Session, _rest: str, _source: str) -> str:
 
 def _parameters(session: Session, rest: str, _source: str) -> str:
     if not rest:
-        return _lines([f"{name} = {readable(value)}" for name, value in session.tree.parameters.items()])
+        shown = [Described(session.tree, name) for name in session.tree.parameters]
+        return _lines([f"{one.words['name']} = {readable(one.value, one.words['unit'])}" for one in shown])
     return _lines(list(_parameters_of(session.node(rest))))
 
 

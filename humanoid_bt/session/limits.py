@@ -68,6 +68,7 @@ class Limit:
 DURATION = Limit(float, "a number above 0", lambda value: value > 0, "s")
 MOMENT = Limit(float, "a number, 0 or more", lambda value: value >= 0, "s")
 HOLD = Limit(float, "a number above 0", lambda value: 0 < value < math.inf, "s")
+PACE = Limit(float, "a number from 0.001 on", lambda value: 1e-3 <= value < math.inf)
 POSITIVE = Limit(float, "a number above 0", lambda value: 0 < value < math.inf)
 FORCE = Limit(float, "at most 10000 N in each direction", lambda value: abs(value) <= 10_000)
 SEED = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)

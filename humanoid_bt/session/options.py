@@ -127,7 +127,7 @@ class RunOptions:
         judge.choice("view", view, (False, True, "auto"))
         judge.choice("camera", camera, (False, True, "auto"))
         where, key = judge.plant(plant, plant_key, mode)
-        speed = judge.number("pace", pace, limits.POSITIVE)
+        speed = judge.number("pace", pace, limits.PACE)
         if speed and mode == "realtime":
             judge.note("'pace' does not go with the mode realtime", "realtime runs on the wall clock")
         if gateway is not None and mode == "lockstep":

@@ -176,11 +176,11 @@ class Session(Debugging):
             UserError: the duration is none.
             HumanoidBtError: as :meth:`step`, or the run is not paused.
         """
-        until = self.time + limits.POSITIVE.take(duration, "duration") - _AT
+        until = self._from_now(limits.POSITIVE.take(duration, "duration"))
         if self._drive.running and self.paused is None:
             raise HumanoidBtError("the run is not paused: step() and run_until() let time pass")
         goes_on = True
-        while goes_on and self.time < until and (pause := self.paused) is not None:
+        while goes_on and self.time < until() and (pause := self.paused) is not None:
             goes_on = self._go(pause)
         return goes_on
 
@@ -212,14 +212,19 @@ class Session(Debugging):
             raise UserError(f"'timeout' must be a number of seconds, 0 or more, not {timeout!r}")
         if self._drive.running and self._ticked and holds():
             return True
-        until = None if timeout is None else self.time + timeout - _AT
-        while self.paused is None and (until is None or self.time < until):
+        until = self._from_now(math.inf if timeout is None else timeout)
+        while self.paused is None and self.time < until():
             goes_on = self.step()
             if holds():
                 return True
             if not goes_on:
                 return False
         return False
+
+    def _from_now(self, duration: float) -> Callable[[], float]:
+        """Return what tells when so long has passed from now on, before the first step from when that will be."""
+        now = self.time if self._ticked else None
+        return lambda: (self._drive.loop.began if now is None else now) + duration - _AT
 
     def _condition(self, condition: float | Callable[[Session], object]) -> Callable[[], bool]:
         if callable(condition):

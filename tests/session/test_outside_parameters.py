@@ -13,6 +13,7 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.outcome import End
 
 TREE = """
 format: 1
@@ -128,3 +129,50 @@ def test_the_reason_has_room_whatever_was_asked(counter: Counter, session: hbt.S
     ((_, why),) = counter.answers
     assert "'duration' must be" in why
     assert len(json.dumps(why)) < 4000
+
+
+SKILLS = '''
+from humanoid_bt import Skill, Status, param
+
+
+class Low(Skill):
+    """Take little."""
+
+    amount: float = param(2.0, minimum=0.0, maximum=5.0, doc="How much.")
+
+    def update(self) -> Status:
+        return self.running("at it")
+
+
+class High(Low):
+    """Take more."""
+
+    amount: float = param(2.0, minimum=1.0, maximum=9.0, doc="How much.")
+'''
+LOW, HIGH = ("{" + name + ": {amount: $amount}}" for name in ("low", "high"))
+BOTH, SWAPPED = (
+    f"format: 1\nparameters: {{amount: 2}}\nroot: {{parallel: [{one}, {other}]}}\n"
+    for one, other in ((LOW, HIGH), (HIGH, LOW))
+)
+
+
+def test_the_limits_are_those_that_every_node_takes(counter: Counter, tmp_path: Path) -> None:
+    (tmp_path / "trees").mkdir()
+    (tmp_path / "skills").mkdir()
+    (tmp_path / "skills/amounts.py").write_text(SKILLS)
+    for name, text in {"both": BOTH, "swapped": SWAPPED}.items():
+        (tmp_path / "trees" / f"{name}.yaml").write_text(text)
+        with hbt.Session(name, workspace=tmp_path) as run:
+            run.step()
+        told = counter.shown[-1]["amount"]
+        assert (told["least"], told["most"], told["fixed"]) == (1.0, 5.0, "")
+
+
+def test_nothing_is_set_while_no_tree_runs(counter: Counter, session: hbt.Session) -> None:
+    with session:
+        session.step()
+        session._drive.runner.rest(End("success", "it is done"))
+        counter.ask("patience", 3.0)
+        session.step()
+        assert counter.answers == [(0, "no tree runs now: the next one starts with its own")]
+        assert session.node("timeout").values["duration"] == 60.0

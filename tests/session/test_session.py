@@ -258,7 +258,7 @@ def test_a_recording_is_made_only_if_asked_for(tmp_path: Path, monkeypatch: pyte
         ),
         ({"seed": 0.5}, "'seed' must be a whole number, 0 or more, not 0.5"),
         ({"seed": None}, "'seed' must be a whole number, 0 or more, not None"),
-        ({"pace": 0}, "'pace' must be a number above 0, not 0"),
+        ({"pace": 0}, "'pace' must be a number from 0.001 on, not 0"),
         ({"pace": 1, "mode": "realtime"}, "'pace' does not go with the mode realtime"),
         ({"hold": math.inf}, "'hold' must be a number above 0, not inf"),
         ({"serve": True}, "'serve' must be a port from 1 to 65534, not True"),

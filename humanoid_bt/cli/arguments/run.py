@@ -7,7 +7,7 @@ from pathlib import Path
 from humanoid_bt.cli.arguments.numbers import number, size
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_perception, add_workspace
 from humanoid_bt.record.parts import PART_SIZE
-from humanoid_bt.session.limits import DURATION, HOLD, PORT, POSITIVE, SEED
+from humanoid_bt.session.limits import DURATION, HOLD, PACE, PORT, SEED
 
 _EXAMPLES = """\
 examples:
@@ -102,7 +102,7 @@ def add_run(commands: Commands) -> None:
     )
     run.add_argument(
         "--pace",
-        type=number(POSITIVE),
+        type=number(PACE),
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view or --watch, else as fast as it can",
     )
