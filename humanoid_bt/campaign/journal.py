@@ -69,8 +69,12 @@ class Journal:
 
     def close(self) -> None:
         """Let what was written reach the disk; others may write from now on."""
-        os.fsync(self._file)
-        os.close(self._file)
+        try:
+            os.fsync(self._file)
+        except OSError as error:
+            raise _unwritable(self._path, error) from error
+        finally:
+            os.close(self._file)
 
     def __enter__(self) -> Self:
         return self

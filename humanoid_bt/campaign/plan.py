@@ -42,7 +42,7 @@ class Plan:
         fail_on: what makes a trial a failure that else would have succeeded.
         description: one line for people.
         files: digest of each file that what is run depends on, by path.
-        workspace: where names are looked up, "" for the working directory.
+        workspace: the folder where names are looked up, "" for the working directory.
     """
 
     name: str

@@ -15,9 +15,10 @@ from humanoid_bt.campaign.requirement import Requirement
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET
 from humanoid_bt.campaign.variation import Factor, Variation
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.units import base_unit
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.source_files import files_of
@@ -73,7 +74,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         for robot in _chosen(names, "robot") or [header.get("robot") or DEFAULT_ROBOT]:
             for scene in _chosen(names, "scene") or [header.get("scene") or DEFAULT_SCENE]:
                 setting = Setting(name, robot, scene)
-                tree = _loaded(campaign, workspace, file, setting)
+                tree = _loaded(campaign, workspace, file, setting, factors)
                 settings.append(setting)
                 trees.append(tree)
                 used |= {*used_files(tree), workspace.find_scene(scene)}
@@ -93,7 +94,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         tuple(campaign.fail_on),
         campaign.description,
         digests(files),
-        "" if (root := relative(workspace.root)) == "." else root,
+        str(workspace.root),
     )
     return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)), files)
 
@@ -126,7 +127,9 @@ def _chosen(names: Sequence[Named], kind: str) -> list[str]:
     return [name for of, name, _ in names if of == kind]
 
 
-def _loaded(campaign: CampaignFile, workspace: Workspace, file: Path, setting: Setting) -> Tree:
+def _loaded(
+    campaign: CampaignFile, workspace: Workspace, file: Path, setting: Setting, factors: Sequence[Factor]
+) -> Tree:
     """Return a tree as it is run.
 
     Raises:
@@ -136,6 +139,11 @@ def _loaded(campaign: CampaignFile, workspace: Workspace, file: Path, setting: S
     _, robot, scene = setting
     load = partial(load_checked, file, workspace, robot=robot, scene=scene, perception=campaign.perception)
     given = {name: variation.ends or variation.values for name, variation in campaign.parameters.items()}
+    seed = next(iter(campaign.seeds))
+    for factor in factors:  # both ends may be whole numbers, and what is drawn between them is not
+        name = factor.name.removeprefix(f"{SET}.")
+        if factor.ends is not None and name in given:
+            given[name] = (*given[name], Item(factor.value(None, seed), given[name][0].place))
     first = {name: values[0] for name, values in given.items()}
     tree = load(first)
     if tree.is_subtree:
@@ -193,7 +201,11 @@ def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor
             raise UserError(f"the tree {path.stem!r} has no parameter {name!r}", place, hint, "unknown-parameter")
         if declared[name].spec.type is NodeItem:
             raise UserError(f"the parameter {name!r} is a node, which only another tree can give", place)
-    return variation.factor(f"{SET}.{name}", read_file(trees[0], []).parameters[name].spec)
+    spec = read_file(trees[0], []).parameters[name].spec
+    if spec.type is float and not spec.unit:  # as with run --set: 200 ms of a parameter that is a plain number
+        given = [item.value for item in variation.ends or variation.values if isinstance(item.value, str)]
+        spec = replace(spec, unit=next((unit for text in given if (unit := base_unit(text))), ""))
+    return variation.factor(f"{SET}.{name}", spec)
 
 
 def _condition(name: str, variation: Variation, dry: bool) -> Factor:

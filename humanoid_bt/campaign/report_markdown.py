@@ -47,7 +47,7 @@ def _lines(summary: Summary, verdicts: Sequence[Verdict], folder: Path) -> Itera
             yield f"\nand {left} more causes in the report"
     for one in verdicts:
         yield ""
-        yield f"{'✓' if one.met else '✗'} `{_text(one.text)}`: {_text(one.why)}"
+        yield f"{'✓' if one.met else '✗'} `{one_line(one.text)}`: {_text(one.why)}"
 
 
 def _causes(summary: Summary, folder: Path) -> Iterator[Sequence[str]]:

@@ -43,7 +43,8 @@ def command(trial: Trial, plan: Plan, folder: Path) -> str:
     altered = {name: value for name, value in trial.given.items() if not name.startswith(f"{SET}.")}
     if plan.script or trial.dry or any(_AS_IT_IS.get(name) != value for name, value in altered.items()):
         return shlex.join(["humanoid-bt", "campaign", "rerun", relative(folder), str(trial.number)])
-    where = ["--workspace", plan.workspace] if plan.workspace else []
+    root = relative(Path(plan.workspace)) if plan.workspace else "."
+    where = ["--workspace", root] if root != "." else []
     words = [
         "humanoid-bt",
         "run",

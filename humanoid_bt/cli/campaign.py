@@ -60,6 +60,8 @@ def campaign(arguments: argparse.Namespace) -> int:
 
 def _run(arguments: argparse.Namespace) -> int:
     workspace = workspace_given(arguments)
+    if arguments.out is not None:
+        arguments.out = Path(arguments.out).absolute()  # wherever skills go
     given, script = campaign_given(arguments, workspace)
     found = planned(given, workspace, script)
     folder = _folder(arguments, found.plan)

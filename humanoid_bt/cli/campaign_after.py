@@ -50,7 +50,8 @@ def rerun(arguments: argparse.Namespace) -> int:
     row = trial_of(table, name)
     file = recording_of(folder, row)
     plan = table.plan
-    workspace = Workspace(arguments.workspace or plan.workspace or None)
+    there = plan.workspace if Path(plan.workspace).is_dir() else None  # results may have come from another machine
+    workspace = Workspace(arguments.workspace or there or None)
     run = make(Setup.of(plan, str(workspace.root)))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())

@@ -48,7 +48,7 @@ def yaml_files(folder: Path, kinds: Sequence[str] = _KINDS) -> list[Path]:
         kinds: the folders of a workspace in which such files are looked for.
     """
     whole = resolved(folder)
-    if (deep := _deep(whole)) is not None:
+    if (deep := deep_folder(whole)) is not None:
         return sorted(folder.rglob("*.yaml")) if deep.name in kinds else []
     if any((folder / name).is_dir() for name in _KINDS):
         return [path for name in kinds if (folder / name).is_dir() for path in yaml_files(folder / name, kinds)]
@@ -71,7 +71,7 @@ def source_files(folder: Path) -> list[Path]:
     return [path for path in sorted(folder.glob("*.py")) if not path.name.startswith("_")]
 
 
-def _deep(folder: Path) -> Path | None:
+def deep_folder(folder: Path) -> Path | None:
     """Return the folder of trees, scenarios or campaigns that a folder is or lies in: the outermost of its workspace.
 
     Outside of a workspace the nearest, and None if there is none.
@@ -122,7 +122,7 @@ class Workspace:
         ``skills/`` or ``sim/``, else the current one.
         """
         folder = resolved(path).parent
-        if (deep := _deep(folder)) is not None:
+        if (deep := deep_folder(folder)) is not None:
             return cls(deep.parent)
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
