@@ -68,7 +68,7 @@ def write(path: Path, text: str) -> None:
         UserError: it cannot be written.
     """
     try:
-        write_whole(path, text.encode())
+        write_whole(path, text.encode("utf-8", errors="replace"))
     except OSError as error:
         hint = "valid: a file in a folder that is there and that you may write"
         raise UserError(f"{relative(path)!r} cannot be written: {error.strerror}", hint=hint) from error
@@ -206,5 +206,5 @@ def never(node: NodeCoverage) -> str:
 
 
 def _row(name: str, column: int, seen: int, possible: int) -> str:
-    share = int(percent(seen, possible))  # 99.9 is not yet 100
+    share = int(percent(seen, possible)) if possible else "?"  # 99.9 is not yet 100; a file with mistakes has no nodes
     return f"{name:<{column}}  {f'{seen}/{possible}':>9}  {share:>3} %"

@@ -113,7 +113,7 @@ def page(coverage: TreeCoverage) -> str:
 
 
 def _row(number: int, file: FileCoverage) -> str:
-    share = percent(file.seen, file.possible)
+    share = percent(file.seen, file.possible) if file.possible else 0.0  # a file with mistakes has no nodes
     return (
         f'<tr><td><a href="#file-{number}"><code>{escape(relative(file.path))}</code></a></td>'
         f'<td><span class="bar"><i style="width: {share:.2f}%"></i></span></td>'
@@ -123,7 +123,7 @@ def _row(number: int, file: FileCoverage) -> str:
 
 def _file(number: int, file: FileCoverage) -> str:
     missing = file.possible - file.seen
-    count = f"{missing} missing" if missing else "all tried"
+    count = "not read" if not file.possible else f"{missing} missing" if missing else "all tried"
     try:
         text = file.path.read_text(encoding="utf-8", errors="replace")
     except OSError:

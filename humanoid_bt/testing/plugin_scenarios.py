@@ -53,6 +53,11 @@ def _is_scenario(path: Path) -> bool:
     """
     if path.suffix != ".yaml" or "scenarios" not in path.parent.parts:
         return False
+    from humanoid_bt.files.workspace import deep_folder
+
+    deep = deep_folder(path.parent)
+    if deep is None or deep.name != "scenarios":  # a workspace may itself lie in a folder of this name
+        return False
     folders = [folder for folder in path.parents if folder.name == "scenarios"]
     looks = path.is_file() and _KEY.search(path.read_bytes()) is not None
     return looks or any((folder.parent / name).is_dir() for folder in folders for name in _WORKSPACE)

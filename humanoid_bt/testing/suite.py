@@ -110,7 +110,11 @@ class Suite:
                     progress(scenario, trials[-1])
             failed = [index for index, trial in enumerate(trials) if not trial.passed]
             for index in failed[: MOST_RECORDED if record else 0]:
-                trials[index] = self._trials.recorded(scenario, trials[index])
+                try:
+                    trials[index] = self._trials.recorded(scenario, trials[index])
+                except KeyboardInterrupt:
+                    yield Result(scenario, tuple(trials))
+                    raise
             yield Result(scenario, tuple(trials))
 
     def _here(self) -> Iterator[Trial]:

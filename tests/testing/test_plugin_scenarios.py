@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import humanoid_bt.testing.trial  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
+from humanoid_bt.testing.plugin_scenarios import _is_scenario
 from tests.projects import make_project
 
 
@@ -74,3 +77,13 @@ def test_files_of_other_tools_are_left_alone(pytester: pytest.Pytester) -> None:
     write(pytester, "playbook.yaml", "- hosts: all\n")
     write(pytester, "tree.yml", "tree: oak\n")
     pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes()
+
+
+def test_a_workspace_may_lie_in_a_folder_named_scenarios(tmp_path: Path) -> None:
+    root = tmp_path / "scenarios" / "robot"
+    for name in ("campaigns/slippery.yaml", "trees/mine.yaml", "scenarios/fails.yaml"):
+        (root / name).parent.mkdir(parents=True)
+        (root / name).write_text("format: 1\ntree: mine\n")
+    assert not _is_scenario(root / "campaigns/slippery.yaml")
+    assert not _is_scenario(root / "trees/mine.yaml")
+    assert _is_scenario(root / "scenarios/fails.yaml")
