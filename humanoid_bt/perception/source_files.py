@@ -88,8 +88,10 @@ def _mistakes(name: str, cls: type[PerceptSource], place: Place) -> Iterator[Pro
         hint = "50 Hz divided by a whole number: 50, 25, 10, 5, 2, 1, ..."
         yield Problem(f"the rate of {name!r} cannot be {cls.rate!r}", place, hint, _CODE)
     needs: Any = cls.needs
-    wrong = [need for need in needs if need not in NEEDS] if isinstance(needs, tuple) else [needs]
-    if wrong:
+    if not isinstance(needs, tuple):
+        hint = f'needs = ("{needs if needs in NEEDS else "camera"}",)'
+        yield Problem(f"the needs of {name!r} must be a tuple, not {needs!r}", place, hint, _CODE)
+    elif wrong := [need for need in needs if need not in NEEDS]:
         hint = f'needs = ("camera",); valid: {", ".join(NEEDS)}'
         yield Problem(f"{name!r} cannot need {wrong[0]!r}", place, hint, _CODE)
     if isinstance(cls.patience, bool) or not isinstance(cls.patience, (int, float)) or not cls.patience > 0:

@@ -222,7 +222,10 @@ def test_wrong_names_and_parameters_are_told(workspace: Workspace, sources: Any,
             "class A(PerceptSource):\n    patience = True\n    def look(self, now): pass\n",
             "the patience of 'a' cannot be True",
         ),
-        ("class A(PerceptSource):\n    needs = 'camera'\n    def look(self, now): pass\n", "'a' cannot need 'camera'"),
+        (
+            "class A(PerceptSource):\n    needs = 'state'\n    def look(self, now): pass\n",
+            r"the needs of 'a' must be a tuple, not 'state' .*\n.*needs = \(\"state\",\)",
+        ),
         ("class A(PerceptSource):\n    needs = ('lidar',)\n    def look(self, now): pass\n", "'a' cannot need 'lidar'"),
         (
             "class A(PerceptSource):\n    rate: float = param(5.0, doc='x')\n    def look(self, now): pass\n",
