@@ -86,7 +86,7 @@ class Explanation:
 
 def _aligned(rows: Iterable[Row], width: int) -> Iterator[str]:
     for name, text in rows:
-        yield from _hanging(f"{name:<{_NAME}}", text, width)
+        yield from _hanging(f"{name:<{_NAME - 1}} ", text, width)
 
 
 def _hanging(head: str, text: str, width: int) -> Iterator[str]:

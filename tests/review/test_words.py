@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import BaseTarget
+from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.replay import Replay
 from humanoid_bt.review.words import target
 
@@ -22,3 +23,8 @@ def test_a_heading_is_told_within_half_a_turn(heading: float, shown: str) -> Non
 def test_a_replay_that_took_long_is_told_how_slow_it_was(speed: float, shown: str) -> None:
     replayed = Replay("run.rrd", True, None, 3, 0.06, speed, "success", "", "success", "")
     assert f" {shown} real time" in str(replayed)
+
+
+def test_a_long_name_of_a_row_is_parted_from_its_text() -> None:
+    explanation = Explanation("run.rrd", "failed", "it failed", rows=[("node", "walk"), ("position error", "2 m")])
+    assert explanation.text().splitlines()[2:] == ["node       walk", "position error 2 m"]
