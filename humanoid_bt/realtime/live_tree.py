@@ -23,7 +23,7 @@ _LETTERS = {Status.INVALID: "-", Status.RUNNING: "R", Status.SUCCESS: "S", Statu
 _STATUSES = {letter: status for status, letter in _LETTERS.items()}
 _TELLING = (Status.RUNNING, Status.FAILURE)  # what these nodes say explains what the robot does
 _LONGEST = 200  # characters of what a node says
-_OPTIONAL = ("feedback_of", "statuses", "unseen", "percepts")  # left out of what would not fit, the longest first
+_OPTIONAL = {"feedback_of", "statuses", "unseen", "percepts"}  # left out of what would not fit, the longest first
 
 
 class TreeTeller:
@@ -60,10 +60,9 @@ class TreeTeller:
         told = {"statuses": "".join(map(_LETTERS.__getitem__, found)), "feedback_of": said}
         message = {**status, "outline": self._number, **told}
         data = json.dumps(message).encode()
-        for key in sorted(_OPTIONAL, key=lambda key: -len(json.dumps(message.get(key)))):
-            if len(data) > self._ring.slot_size:
-                message.pop(key, None)
-                data = json.dumps(message).encode()
+        while len(data) > self._ring.slot_size and (there := message.keys() & _OPTIONAL):
+            del message[max(there, key=lambda key: len(json.dumps(message[key])))]
+            data = json.dumps(message).encode()
         self._ring.write(data[: self._ring.slot_size])
 
     def _write_outline(self, tree: Tree) -> None:
