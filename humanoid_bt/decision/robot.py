@@ -102,6 +102,13 @@ class Robot:
         self._sequence = 0
         self.ticks = 0
 
+    def leave(self) -> None:
+        """Let go of the run, which is over: a tree that somebody keeps shall not keep a simulation."""
+        if self._unseen is not None:
+            unseen = dict(self._unseen())
+            self._unseen = lambda: unseen
+        self._raise_estop, self._tell, self.calls = None, _to_log, None
+
     @property
     def now(self) -> float:
         """The engine's time [s]."""

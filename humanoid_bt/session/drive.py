@@ -264,6 +264,7 @@ class Drive:
         if self._options.numbered and self.report.recording_parts:
             with suppress(UserError):  # on a full disk, which is told
                 self.report.write(report_beside(Path(self.report.recording_parts[0])))
+        self.runner.robot.leave()
         self._stack = None
         if insists:
             raise KeyboardInterrupt

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import subprocess
 import sys
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -405,6 +407,19 @@ def test_a_loaded_tree_takes_no_parameters_and_is_not_watched() -> None:
 
 
 # ---- reports -------------------------------------------------------------------------------------------------------
+
+
+def test_a_simulation_goes_with_its_session_also_if_the_tree_is_kept() -> None:
+    tree = hbt.load("sees")
+    gc.disable()
+    try:
+        with hbt.Session(tree, duration=0.1) as session:
+            session.step()
+        engine = weakref.ref(session._drive.engine)
+        del session
+        assert engine() is None
+    finally:
+        gc.enable()
 
 
 def test_a_report_is_a_few_lines_and_a_table_in_a_notebook() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -61,6 +63,19 @@ def test_the_stand_below_a_thing_stands_where_the_seed_says_too():
         expected = engine.scene.object_position("ball", 0.0)[:2]
         assert engine.model.body("stand_ball").pos[:2] == pytest.approx(expected)
     assert engine is engines.ready(tree, 2, Conditions(friction=0.5)).engine  # it is loaded once
+
+
+def test_a_simulation_goes_with_its_run_also_if_the_tree_is_kept():
+    stage, plants, runs = Stage(scene="random_target"), [], []
+    gc.disable()  # a robot with meshes weighs more than Python knows when it decides to look for circles
+    try:
+        for seed in (1, 2):
+            script = [{"when": "distance(target) < 1 m", "optional": True, "estop": {}}]
+            runs.append(stage.run("stand", seed=seed, duration=0.1, script=script))
+            plants.append(weakref.ref(stage.plant))
+    finally:
+        gc.enable()
+    assert [plant() is None for plant in plants] == [True, False]
 
 
 @pytest.mark.trials
