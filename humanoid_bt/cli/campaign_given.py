@@ -75,7 +75,7 @@ def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator
         if (value := getattr(arguments, key)) is not None:
             yield key, item_of(value, Place(f"--{key.replace('_', '-')}"))
     if (named := sources(arguments.perception)) is not None:
-        yield "perception", item_of(named, Place("--perception"))
+        yield "perception", named
     for key, option, texts in (
         ("parameters", "--set", arguments.overrides),
         ("conditions", "--condition", arguments.conditions),

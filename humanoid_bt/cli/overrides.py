@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.files import document
 
 
@@ -27,10 +28,15 @@ def overrides(texts: list[str]) -> dict[str, str]:
 
 
 def sources(texts: list[str]) -> Any:
-    """Return the percept sources that ``--perception`` names, in the form of scenes and trees; None if there are none.
+    """Return the item of the percept sources that ``--perception`` names, None if there are none.
 
     Raises:
         UserError: a text is no YAML.
     """
-    given = [document.parse(text, f"--perception {text}").plain() for text in texts]
-    return given[0] if len(given) == 1 else given or None
+    given = [_typed(f"--perception {text}", text) for text in texts]
+    return Item(given, given[0].place) if len(given) > 1 else next(iter(given), None)
+
+
+def _typed(option: str, text: str) -> Item:
+    """Return what a text says, all of it in the place of the option as it was typed."""
+    return item_of(document.parse(text, option).plain(), Place(option))

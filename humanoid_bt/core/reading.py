@@ -90,7 +90,7 @@ def read_values(
             hint = nearest(key, [*params, *also])
             if len(missing) == 1 and not hint.startswith("did"):
                 hint = needed(params[missing[0]])
-            problems.append(Problem(message, item.key_places.get(key), hint, code=code))
+            problems.append(Problem(message, item.key_places.get(key, item.place), hint, code=code))
     for name in missing[len(unexplained(unknown, [*params, *also], missing)) :]:
         message = f"the {noun} {name!r}{of} is missing"
         problems.append(Problem(message, item.place, needed(params[name]), code=f"missing-{noun}"))

@@ -77,7 +77,7 @@ def written(value: Any, what: str = "perception") -> Sources | None:
     """Return the sources that an argument names, None for None; raises UserError if it names none."""
     if value is None or isinstance(value, Sources):
         return value
-    return Sources.from_item(item_of(value, Place(f"{what}={value}")))
+    return Sources.from_item(value if isinstance(value, Item) else item_of(value, Place(f"{what}={value}")))
 
 
 def sources_of(given: Sources | None, tree: Sources | None, scene: SceneConfig | None) -> Sources | None:

@@ -133,7 +133,13 @@ def test_the_command_line_names_sources_with_parameters_and_lists_them(
     assert main(["run", "own", "--quiet", *given]) == 0
     assert json.loads(Path("r.json").read_text())["percepts"]["sign"]["distance"] == pytest.approx(3.0, abs=0.1)
     assert main(["run", "own", "--perception", "door_sing", "--no-record"]) == 2
-    assert "perception=door_sing: error: no percept source named 'door_sing'" in capsys.readouterr().err
+    assert "--perception door_sing: error: no percept source named 'door_sing'" in capsys.readouterr().err
+    for given, wrong in (
+        ("door_sign: {ahaed: 3 m}", "unknown parameter 'ahaed' of 'door_sign'"),
+        ("door_sign: {ahead: 3 kg}", "'ahead' has the unit 'kg'"),
+    ):
+        assert main(["run", "own", "--perception", "tracker", "--perception", given, "--no-record"]) == 2
+        assert capsys.readouterr().err.startswith(f"--perception {given}: error: {wrong}")
     assert main(["sources", "door_sign"]) == 0
     assert "25 Hz, needs nothing; from perception/door_sign.py" in capsys.readouterr().out
 
