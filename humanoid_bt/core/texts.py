@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import re
+import traceback
 from collections.abc import Sequence
 
 LONGEST_TEXT = 4000
@@ -28,12 +30,36 @@ def one_line(text: str) -> str:
 
 
 def told(error: BaseException) -> str:
-    """Return the kind of an exception and its text, whatever making that text does."""
+    """Return the kind of an exception, its text, whatever making that text does, and the name that was meant."""
     try:
         text = str(error)
     except Exception as second:
         text = f"(its text cannot be made: {type(second).__name__})"
-    return f"{type(error).__name__}: {text}"
+    return "; ".join(filter(None, [f"{type(error).__name__}: {text}", meant(error)]))
+
+
+def meant(error: BaseException) -> str:
+    """Return what is nearest to a name that is not there: ``did you mean 'move_hand'?``, "" if nothing is near."""
+    name = getattr(error, "name", None)
+    if not isinstance(error, (AttributeError, NameError)) or not isinstance(name, str):
+        return ""
+    try:
+        names = dir(error.obj) if isinstance(error, AttributeError) else _names_at(error)
+    except Exception:  # the object's own code; one that was never raised has been nowhere
+        return ""
+    if f"self.{name}" in names:
+        return f"did you mean 'self.{name}'?"
+    texts = [one for one in names if isinstance(one, str)]  # an object may say that it has others
+    public = [one for one in texts if name.startswith("_") or not one.startswith("_")]
+    close = difflib.get_close_matches(name, public, n=1)
+    return f"did you mean {close[0]!r}?" if close and name not in names else ""
+
+
+def _names_at(error: BaseException) -> list[str]:
+    """Return the names that there are where an exception was raised, and the attributes of ``self``."""
+    *_, (frame, _line) = traceback.walk_tb(error.__traceback__)
+    own = [f"self.{name}" for name in dir(frame.f_locals["self"])] if "self" in frame.f_locals else []
+    return [*frame.f_locals, *frame.f_globals, *frame.f_builtins, *own]
 
 
 def listed(names: Sequence[str]) -> str:

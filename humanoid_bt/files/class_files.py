@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import Place, UserError, nearest, relative, resolved
+from humanoid_bt.core.texts import meant, told
 from humanoid_bt.files.reading import read_text
 
 What = Literal["skill", "source", "body"]
@@ -126,7 +127,7 @@ def why_raised(error: BaseException, cls: type) -> str:
     """Return what a class's code raised, and at which of its own lines if it was there."""
     file = class_file(cls)
     place = place_in_file(error, file) if file else None
-    return f"{type(error).__name__}: {error}" + (f", raised at {place}" if place else "")
+    return told(error) + (f", raised at {place}" if place else "")
 
 
 def _is_base(cls: type) -> bool:
@@ -145,4 +146,4 @@ def _meant(error: BaseException) -> str:
         if error.name in here.__all__:
             return f"from {here.__name__} import {error.name}"
         return nearest(error.name, here.__all__)
-    return ""
+    return meant(error)

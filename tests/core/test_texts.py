@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -64,3 +66,42 @@ def test_an_exception_is_told_whatever_making_its_text_does() -> None:
 
     assert told(ValueError("too far")) == "ValueError: too far"
     assert told(UnspeakableError()) == "UnspeakableError: (its text cannot be made: RuntimeError)"
+
+
+class _Arm:
+    length = 0.6
+
+    def stretch(self) -> None:
+        raise AssertionError(length)  # type: ignore[name-defined]  # noqa: F821 (the slip that is told)
+
+    def turn(self, angle: float) -> None:
+        raise AssertionError(anglle)  # type: ignore[name-defined]  # noqa: F821 (the slip that is told)
+
+
+class _Odd:
+    def __dir__(self) -> list[Any]:
+        return [1, 2]
+
+
+class _Silent:
+    def __dir__(self) -> list[str]:
+        raise RuntimeError("no")
+
+
+@pytest.mark.parametrize(
+    ("slip", "meant"),
+    [
+        (lambda: _Arm().lenght, "; did you mean 'length'?"),
+        (lambda: _Arm().weight, ""),
+        (lambda: _Arm().stretch(), "; did you mean 'self.length'?"),
+        (lambda: _Arm().turn(0.1), "; did you mean 'angle'?"),
+        (lambda: _Silent().lenght, ""),
+        (lambda: _Odd().lenght, ""),
+    ],
+)
+def test_an_exception_of_a_name_that_is_not_there_is_told_with_what_was_meant(
+    slip: Callable[[], object], meant: str
+) -> None:
+    with pytest.raises((AttributeError, NameError)) as caught:
+        slip()
+    assert told(caught.value) == f"{caught.typename}: {caught.value}{meant}"

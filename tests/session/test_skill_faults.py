@@ -77,6 +77,14 @@ class Stray(Skill):
         threading.Thread(target=time.sleep, args=(600,), name="driver of the gripper").start()
         return self.succeed("started")
 
+class Misspell(Skill):
+    """Call what the robot does not have."""
+    resources = ("left_hand",)
+
+    def update(self):
+        self.robot.move_hnd("left", (0.4, 0.2, 0.9))
+        return self.running("moving")
+
 class Unmade(Skill):
     """Take the place of what makes it a node."""
     width: float = param(1.0, doc="How wide.")
@@ -123,6 +131,12 @@ def tree(project: Path, root: str) -> Path:
 def test_what_is_no_text_is_said_as_text(faulty: Path, how: str, outcome: str, said: str) -> None:
     report = hbt.run(tree(faulty, f"speak: {{how: {how}}}"), duration=0.04)
     assert report.outcome == outcome
+    assert said in report.reason
+
+
+def test_what_a_skill_misspells_is_told_with_what_it_may_mean(faulty: Path) -> None:
+    report = hbt.run(tree(faulty, "emergency_stop: misspell"), duration=0.04)
+    said = "AttributeError: 'RobotHandle' object has no attribute 'move_hnd'; did you mean 'move_hand'?"
     assert said in report.reason
 
 

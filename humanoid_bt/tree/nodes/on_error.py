@@ -8,6 +8,7 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import told
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking.catching import Catcher, halt_all
@@ -45,7 +46,7 @@ class OnError(Decorator, Catcher):
         try:
             return tick(self.decorated, seen)
         except Raised as raised:
-            reason = f"{raised.node.name!r} raised {type(raised.error).__name__}: {raised.error}"
+            reason = f"{raised.node.name!r} raised {told(raised.error)}"
             _raise_first(self.take([raised, *halt_all(self.decorated, reason, seen)]))
             self.feedback_message = reason
             return FAILURE

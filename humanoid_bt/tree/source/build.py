@@ -12,6 +12,7 @@ from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.core.params import own
+from humanoid_bt.core.texts import told
 from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
@@ -109,7 +110,7 @@ def make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> B
             behaviour = draft.type.factory(name=draft.name, **arguments)
     except Exception as error:  # a skill's constructor is the user's code
         builtin = isinstance(error, ValueError) and draft.type.kind != "skill"
-        what = str(error) if builtin else f"{type(error).__name__}: {error}"
+        what = str(error) if builtin else told(error)
         file = class_file(draft.type.cls)
         place = place_in_file(error, file) if file and not builtin else None
         hint = f"raised at {place}" if place else ""
