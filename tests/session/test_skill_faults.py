@@ -77,6 +77,14 @@ class Stray(Skill):
         threading.Thread(target=time.sleep, args=(600,), name="driver of the gripper").start()
         return self.succeed("started")
 
+class Forget(Skill):
+    """Forget to return its status, or return another thing."""
+    returned: bool | None = param(None, doc="What it returns.")
+
+    def update(self):
+        status = self.running("on the way")
+        return self.returned
+
 class Misspell(Skill):
     """Call what the robot does not have."""
     resources = ("left_hand",)
@@ -132,6 +140,16 @@ def test_what_is_no_text_is_said_as_text(faulty: Path, how: str, outcome: str, s
     report = hbt.run(tree(faulty, f"speak: {{how: {how}}}"), duration=0.04)
     assert report.outcome == outcome
     assert said in report.reason
+
+
+@pytest.mark.parametrize(
+    ("given", "said"), [("", "not None: was 'return' forgotten?"), ("{returned: true}", "not True")]
+)
+def test_what_returns_no_status_is_told_with_its_place(faulty: Path, given: str, said: str) -> None:
+    line = next(n for n, text in enumerate(SKILLS.splitlines(), 1) if "class Forget" in text) + 4
+    report = hbt.run(tree(faulty, f"forget: {given}"), duration=0.04)
+    assert f"its status must be SUCCESS, FAILURE or RUNNING, {said}\n    its update is at " in report.reason
+    assert report.reason.endswith(f"faulty.py:{line}:5")
 
 
 def test_what_a_skill_misspells_is_told_with_what_it_may_mean(faulty: Path) -> None:

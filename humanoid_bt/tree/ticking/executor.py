@@ -17,12 +17,12 @@ from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.overridden import not_set_up
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.files.class_files import class_file, place_in_file
+from humanoid_bt.files.class_files import class_file, method_place, place_in_file
 from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
 from humanoid_bt.tree.ticking.counted import Counted
-from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, End, Raised, Seen, halt_alone, tick
+from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, End, Raised, Seen, StatusError, halt_alone, tick
 from humanoid_bt.tree.tree import Tree
 
 
@@ -57,17 +57,25 @@ class NodeError(HumanoidBtError):
         path: the node's path.
         place: where the node stands in its tree file.
         error: the exception.
-        where: the line of the skill's file that raised it, None if it came from elsewhere.
+        where: the line of the skill's file that raised it, or where its ``update`` begins that returned no status; None
+            if it came from elsewhere.
     """
 
     def __init__(self, node: Node, error: BaseException) -> None:
-        file = class_file(node.type.cls) if node.kind == "skill" else None  # lines of the engine tell people nothing
         self.path = node.path
         self.place: Place = node.place
         self.error = error
-        self.where: Place | None = place_in_file(error, file) if file else None
-        at = f"\n    raised at {self.where}" if self.where else ""
+        self.where = _where(node.type.cls, error) if node.kind == "skill" else None  # the engine's lines tell nothing
+        what = "its update is" if isinstance(error, StatusError) else "raised"
+        at = f"\n    {what} at {self.where}" if self.where else ""
         super().__init__(f"{self.place}: the node {self.path!r} raised {told(error)}{at}")
+
+
+def _where(cls: type, error: BaseException) -> Place | None:
+    if isinstance(error, StatusError):
+        return method_place(next(base for base in cls.__mro__ if "update" in vars(base)), "update")
+    file = class_file(cls)
+    return place_in_file(error, file) if file else None
 
 
 class Executor:

@@ -16,7 +16,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
-from humanoid_bt.core.texts import told
+from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.arguments import check_relative
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.skill import Skill
@@ -62,6 +62,10 @@ class Raised(Exception):  # noqa: N818 (it carries an error, it is none)
         super().__init__(node, error)
         self.node = node
         self.error = error
+
+
+class StatusError(TypeError):
+    """What a node's ``update`` returned is no status."""
 
 
 class Branch(Behaviour):
@@ -202,7 +206,10 @@ def _no_status(node: Behaviour, returned: object) -> Exception:
     """Return what is wrong with what came back from a node: no status, or a process that it forked."""
     if forks.astray:
         return RuntimeError(f"a process that {node.name!r} forked came back from it: it must end with os._exit()")
-    return TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {returned!r}")
+    forgotten = ": was 'return' forgotten?" if returned is None else ""
+    return StatusError(
+        f"its status must be SUCCESS, FAILURE or RUNNING, not {shortened(repr(returned), 80)}{forgotten}"
+    )
 
 
 def _check_own(error: BaseException) -> None:
