@@ -72,7 +72,9 @@ class Anatomy:
             return _pose(data.xpos[body], data.xquat[body])
         if (site := self._sites.get(name)) is not None:
             return _pose(data.site_xpos[site], quaternion(data.site_xmat[site].reshape(3, 3)))
-        raise HumanoidBtError(f"the robot has no body or site {name!r}; {_near(name, {**self._bodies, **self._sites})}")
+        raise HumanoidBtError(
+            f"the robot has no body or site {name!r}; {_near(str(name), {**self._bodies, **self._sites})}"
+        )
 
     def arm_joints(self, side: Side, state: State) -> dict[str, ArmJoint]:
         """Return the joints of an arm in a state by their names, from the shoulder to the hand; none without hands."""

@@ -11,13 +11,15 @@ import numpy as np
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, WORKSPACE, Array, HandTarget, PalmAxis, Pointing, Side, Target
+from humanoid_bt.core.texts import shortened
 
+_SHOWN = 80  # characters of what is no number
 _ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is no rounding
 
 
 def vector(values: Any, size: int, what: str = "position") -> Array:
     """Return numbers, shape (size,), that nobody can write into; raises ValueError if they are not finite."""
-    found: Array = np.array(values, dtype=float)
+    found = _numbers(values, f"a target's {what}", f"({size},)")
     if found.shape != (size,):
         raise ValueError(f"a target's {what} must have shape ({size},), not {found.shape}")
     if not all(map(math.isfinite, found.tolist())):
@@ -34,15 +36,20 @@ def place(values: Any, size: int) -> Array:
     return found
 
 
-def way(points: Any) -> Array | None:
-    """Return points of a way, shape (n, 2) [m], None if there are none; raises ValueError as :func:`place`."""
-    found: Array = np.array(points, dtype=float)
+def places(values: Any, what: str) -> Array:
+    """Return positions, shape (n, 2) [m], also where there are none; raises ValueError as :func:`place`.
+
+    Args:
+        values: them.
+        what: what they are, for messages.
+    """
+    found = _numbers(values, what, "(n, 2)")
     if not found.size:
-        return None
+        return np.empty((0, 2))
     if found.ndim != 2 or found.shape[1] != 2:
-        raise ValueError(f"the points of a way must have shape (n, 2), not {found.shape}")
+        raise ValueError(f"{what} must have shape (n, 2), not {found.shape}")
     if not (np.abs(found) <= WORKSPACE).all():
-        raise ValueError(f"the points of a way must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
+        raise ValueError(f"{what} must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
     return found
 
 
@@ -56,19 +63,35 @@ def number(value: Any, what: str, most: float, unit: str, least: float | None = 
         unit: SI unit.
         least: the smallest one, the largest one's negative if None.
     """
-    found, least = float(value), -most if least is None else least
+    found, least = real(value, f"a target's {what}", unit), -most if least is None else least
     if not math.isfinite(found):
-        raise ValueError(f"a target must be finite, not {found}")
+        raise ValueError(f"a target's {what} must be finite, not {found}")
     if not least <= found <= most:
         raise ValueError(f"a target's {what} must be from {least:g} to {most:g} {unit}, not {found:g}")
     return found
+
+
+def real(value: Any, what: str, unit: str) -> float:
+    """Return a number, which need not be finite; raises ValueError if it is none."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be a number [{unit}], not {shortened(repr(value), _SHOWN)}") from None
+
+
+def angles(joints: Any) -> dict[str, float]:
+    """Return angles of joints by name [rad]; raises ValueError if they are no numbers by name."""
+    if not isinstance(joints, Mapping):
+        why = f"must be angles [rad] by name, not {shortened(repr(joints), _SHOWN)}"
+        raise ValueError(f"the joints of an arm {why}")
+    return {name: real(angle, f"the angle of {name!r}", "rad") for name, angle in joints.items()}
 
 
 def speed_of(value: Any) -> float | None:
     """Return a speed, None for the robot's own; raises ValueError if it is not above 0."""
     if value is None:
         return None
-    found = float(value)
+    found = real(value, "the speed of a motion", "m/s or rad/s")
     if not (math.isfinite(found) and found > 0):
         raise ValueError(f"the speed of a motion must be above 0, not {found:g}")
     return found
@@ -105,16 +128,29 @@ def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing 
         return Pointing(_kept(found / math.sqrt(found @ found)), axis)  # type: ignore[arg-type]  # it is one of them
     if orientation is None:
         return None
-    if np.shape(orientation) == (3, 3):
-        matrix = vector(np.ravel(orientation), 9, "orientation").reshape(3, 3)
+    turn = _numbers(orientation, "a target's orientation", "(4,) or (3, 3)")
+    if turn.shape == (3, 3):
+        matrix = vector(turn.ravel(), 9, "orientation").reshape(3, 3)
         if np.abs(matrix @ matrix.T - np.eye(3)).max() > _ALMOST or np.linalg.det(matrix) < 0:
             raise ValueError(f"a target's orientation is no rotation matrix: {matrix.tolist()}")
         return _kept(quaternion(matrix))
-    found = vector(orientation, 4, "orientation")
+    if turn.shape != (4,):
+        raise ValueError(f"a target's orientation must have shape (4,), w x y z, or (3, 3), not {turn.shape}")
+    found = vector(turn, 4, "orientation")
     length = math.sqrt(found @ found)
     if abs(length - 1) > _ALMOST:
         raise ValueError(f"a target's orientation is no unit quaternion (w, x, y, z): {found.tolist()}")
     return _kept(found / length)
+
+
+def _numbers(values: Any, what: str, shape: str) -> Array:
+    try:
+        found: Array = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        found = np.empty(())
+    if not found.ndim:
+        raise ValueError(f"{what} must be numbers, shape {shape}, not {shortened(repr(values), _SHOWN)}")
+    return found
 
 
 def _kept(values: Array) -> Array:

@@ -26,7 +26,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
-from humanoid_bt.decision.arguments import how_turned, number, place, side_of, speed_of, way
+from humanoid_bt.decision.arguments import angles, how_turned, number, place, places, real, side_of, speed_of
 from humanoid_bt.decision.robot import LEVELS, Robot
 from humanoid_bt.perception.track import Track
 
@@ -85,9 +85,9 @@ class RobotHandle:
 
     def nearest_hand(self, bearing: float) -> Side:
         """Return the hand on the side of what is at a bearing [rad], or the only one that the robot has."""
-        hands = self.state.hands
-        side: Side = "left" if bearing > 0 else "right"
-        other: Side = "right" if bearing > 0 else "left"
+        hands, on_left = self.state.hands, real(bearing, "a bearing", "rad") > 0
+        side: Side = "left" if on_left else "right"
+        other: Side = "right" if on_left else "left"
         return other if side not in hands and other in hands else side
 
     def why_no_nearer(self, side: Side, distance: float) -> str:
@@ -99,7 +99,7 @@ class RobotHandle:
             return touched
         obstacle = self.state.hand_obstacles.get(side)
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
-        return f"{side} hand comes no nearer than {distance * 100:.0f} cm{why}"
+        return f"{side} hand comes no nearer than {real(distance, 'a distance', 'm') * 100:.0f} cm{why}"
 
     def why_not_turned(self, side: Side, angle: float) -> str:
         """Say that a palm is turned no nearer to its target than this [rad], and what keeps it.
@@ -117,7 +117,7 @@ class RobotHandle:
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
         if limited:
             why = f": {' and '.join(limited)} {'is at its limit' if len(limited) == 1 else 'are at their limits'}"
-        return f"{side} hand turns no nearer than {math.degrees(angle):.0f} deg{why}"
+        return f"{side} hand turns no nearer than {math.degrees(real(angle, 'an angle', 'rad')):.0f} deg{why}"
 
     def why_no_step(self) -> str:
         """Say that the base stands though it is sent on, as for a way of few centimetres, "" if it does not.
@@ -135,7 +135,7 @@ class RobotHandle:
             heading: world frame [rad]; a full turn more or less is the same.
 
         Raises:
-            ValueError: a number is not finite, or the place is out of the world.
+            ValueError: it has another shape, a number is not finite, or the place is out of the world.
         """
         facing = math.remainder(number(heading, "heading", math.inf, "rad"), math.tau)
         self._set("base", BaseTarget(place(position, 2), facing))
@@ -146,7 +146,8 @@ class RobotHandle:
         Raises:
             ValueError: it has another shape, a number is not finite, or a point is out of the world.
         """
-        self.route = way(points)
+        found = places(points, "the points of a way")
+        self.route = found if len(found) else None
 
     def touched(self, side: Side) -> str:
         """Say that an arm yields because something touched it, "" if none did: ``right arm touched something: 43 N``.
@@ -203,11 +204,12 @@ class RobotHandle:
 
         Raises:
             HumanoidBtError: a name is none of this arm's joints, or an angle is outside its limits.
+            ValueError: these are no angles by name, or the speed is not above 0.
         """
-        side, angles = side_of(side), {name: float(angle) for name, angle in joints.items()}
-        if fault := self._robot.anatomy.joints_fault(side, angles):
+        side, asked = side_of(side), angles(joints)
+        if fault := self._robot.anatomy.joints_fault(side, asked):
             raise HumanoidBtError(f"a target of the {side} arm {fault}")
-        self._set(f"{side}_hand", ArmTarget(angles, speed_of(speed)))
+        self._set(f"{side}_hand", ArmTarget(asked, speed_of(speed)))
 
     def arm_joints(self, side: Side) -> dict[str, ArmJoint]:
         """Return the joints of an arm by name, from the shoulder to the hand: ``angle``, ``lower``, ``upper`` [rad]."""

@@ -90,7 +90,8 @@ def test_a_direction_may_have_any_length(handle: RobotHandle, length: float) -> 
     [
         ({"orientation": (1, 0, 0, math.nan)}, "orientation must be finite"),
         ({"orientation": (1, 1, 0, 0)}, "no unit quaternion"),
-        ({"orientation": (1, 0, 0)}, r"orientation must have shape \(4,\), not \(3,\)"),
+        ({"orientation": (1, 0, 0)}, r"orientation must have shape \(4,\), w x y z, or \(3, 3\), not \(3,\)"),
+        ({"orientation": "down"}, r"orientation must be numbers, shape \(4,\) or \(3, 3\), not 'down'"),
         ({"orientation": np.diag([1, 1, -1])}, "no rotation matrix"),
         ({"direction": (0, 0, 0)}, "direction must not be zero"),
         ({"direction": (1, math.inf, 0)}, "direction must be finite"),
@@ -99,6 +100,7 @@ def test_a_direction_may_have_any_length(handle: RobotHandle, length: float) -> 
         ({"direction": (1, 0, 0), "orientation": (1, 0, 0, 0)}, "not both"),
         ({"speed": 0}, "speed of a motion must be above 0, not 0"),
         ({"speed": math.nan}, "above 0, not nan"),
+        ({"speed": "fast"}, r"the speed of a motion must be a number \[m/s or rad/s\], not 'fast'"),
     ],
 )
 def test_what_is_no_target_of_a_hand_is_answered_at_once(handle: RobotHandle, asked: dict[str, Any], why: str) -> None:
@@ -118,6 +120,13 @@ def test_what_is_no_side_is_answered_at_once(handle: RobotHandle) -> None:
     for ask in asked:
         with pytest.raises(ValueError, match="a side is 'left' or 'right', not 'middle'"):
             ask("middle")
+
+
+def test_what_is_no_angle_and_no_name_is_answered_at_once(handle: RobotHandle) -> None:
+    with pytest.raises(ValueError, match=r"an angle must be a number \[rad\], not 'far'"):
+        handle.why_not_turned("left", "far")  # type: ignore[arg-type]  # as a skill without types does
+    with pytest.raises(HumanoidBtError, match="the robot has no body or site None; "):
+        handle.pose(None)  # type: ignore[arg-type]  # as a skill without types does
 
 
 def test_what_is_told_has_one_of_three_levels(handle: RobotHandle) -> None:
