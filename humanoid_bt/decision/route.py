@@ -119,8 +119,11 @@ class Route:
             places: shape (n, 2), world frame [m].
             costs: of ending at each, as metres of way, shape (n,); none if not given.
             ignore: as of :meth:`follow`.
+
+        Raises:
+            ValueError: they have another shape, a number is not finite, or a place is out of the world.
         """
-        goals, around = _places(places), self._around.look()
+        goals, around = arguments.places(places, "places"), self._around.look()
         worth = np.zeros(len(goals)) if costs is None else np.array(costs, dtype=float)
         free = np.array([not taken for taken in self._taken(around, goals, ignore)])
         numbers = np.flatnonzero(free)
@@ -136,8 +139,12 @@ class Route:
         Args:
             places: them.
             ignore: as of :meth:`follow`.
+
+        Raises:
+            ValueError: they have another shape, a number is not finite, or a place is out of the world.
         """
-        return [not taken for taken in self._taken(self._around.look(), _places(places), ignore)]
+        goals, around = arguments.places(places, "places"), self._around.look()
+        return [not taken for taken in self._taken(around, goals, ignore)]
 
     def is_straight(self, place: Any) -> bool:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
@@ -285,12 +292,6 @@ class Route:
         if self._waits_at is not None:
             x, y = self._around.place(min(unseen, key=lambda track: track.distance).name) - state.stance[:2]
             self._robot.walk_to(self._waits_at, math.atan2(y, x))
-
-
-def _places(places: Any) -> Array:
-    """Return places as an array, shape (n, 2), also where there are none."""
-    found: Array = np.array(places, dtype=float)
-    return found if found.size else np.empty((0, 2))
 
 
 def _lengths(points: Array) -> Array:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,6 +60,24 @@ def test_what_it_walks_up_to_leaves_room_for_a_robot_that_faces_it(
     assert route.free([place]) == [past]
     assert route.nearest([place], ignore=["bench"]) == (0 if up_to else None)
     assert route.follow(place, heading=0.0, ignore=["bench"]) == up_to
+
+
+@pytest.mark.parametrize(
+    ("places", "said"),
+    [
+        ([(math.nan, 0.0)], "places must be within 2000 m of the origin, not [[nan, 0.0]]"),
+        ([(0.0, -3000.0)], "places must be within 2000 m of the origin, not [[0.0, -3000.0]]"),
+        ([(1.0, 0.0, 0.0)], "places must have shape (n, 2), not (1, 3)"),
+        ("home", "places must be numbers, shape (n, 2), not 'home'"),
+    ],
+)
+def test_a_place_that_is_none_is_refused(places: Any, said: str) -> None:
+    robot = make_robot(CycleClock())
+    robot.begin_tick(make_state(), {})
+    route = Route(RobotHandle(robot, "walk", ("base",)))
+    for ask in (route.free, route.nearest):
+        with pytest.raises(ValueError, match=re.escape(said)):
+            ask(places)
 
 
 def test_of_no_places_none_is_free_or_nearest_whatever_was_seen() -> None:
