@@ -26,6 +26,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.arguments import angles, how_turned, number, place, places, real, side_of, speed_of
 from humanoid_bt.decision.robot import LEVELS, Robot
 from humanoid_bt.perception.track import Track
@@ -247,7 +248,7 @@ class RobotHandle:
 
     def raise_estop(self, reason: str) -> None:
         """Raise the emergency stop at once; only a reset from outside ends it."""
-        self._robot.raise_estop(self.path, reason)
+        self._robot.raise_estop(self.path, shortened(reason))  # whatever it is
 
     def log(self, text: str, level: Level = "info") -> None:
         """Tell something to people, as an event of the run; it is recorded."""

@@ -173,6 +173,13 @@ def test_what_control_would_refuse_is_refused_where_it_is_asked_for(
     assert not robot.commit().targets
 
 
+def test_an_emergency_stop_is_raised_whatever_its_reason_is(clock: CycleClock) -> None:
+    raised: list[tuple[str, str]] = []
+    robot = Robot(make_robot(clock).config, clock, lambda source, reason: raised.append((source, reason)))
+    RobotHandle(robot, "t/careful", ()).raise_estop(ValueError("too hot"))  # type: ignore[arg-type]  # as a skill does
+    assert raised == [("t/careful", "too hot")]
+
+
 def test_what_can_be_seen_can_be_looked_at_from_wherever_the_robot_stands(robot: Robot) -> None:
     robot.begin_tick(standing(900.0, 0.0, 0.0), {"ball": Percept("ball", 0.0, np.array([SIGHT, 0.0, 0.0]), 0.5)})
     track = robot.track("ball")
