@@ -13,6 +13,7 @@ from humanoid_bt.core.declared import wrong_parameters
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
+from humanoid_bt.decision.overridden import not_makeable
 from humanoid_bt.decision.result import declared_results
 from humanoid_bt.decision.skill import Skill, node_type_name
 from humanoid_bt.files.class_files import class_place, classes_of, load_module
@@ -89,6 +90,7 @@ def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
                 message = f"{name!r} declares the parameter {parameter!r}, which every node has already"
                 problems.append(Problem(message, place, "rename it", code="taken-name"))
         problems += wrong_parameters(name, declared, place, "broken-skill")
+        problems += filter(None, [not_makeable(cls, declared)])
         problems += _wrong_results(name, cls, place, declared)
     return problems
 

@@ -57,6 +57,32 @@ def test_a_skill_without_update_is_a_mistake(workspace: Workspace) -> None:
         load_skills(workspace)
 
 
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("class Own(Skill):\n    def __init__(self): pass", "4:5: error: Own.__init__ does .* 'name'"),
+        (
+            "class Own(Skill):\n    far: float = param(1.0, doc='')\n    def __init__(self, name): pass",
+            "5:5: error: Own.__init__ does not take what trees give it: got an unexpected keyword argument 'far'",
+        ),
+        (
+            "class Own(Skill):\n    far: float = param(1.0, doc='')\n    def __init__(self, name, far): pass",
+            "5:5: error: Own.__init__ does not take what trees give it: missing a required argument: 'far'",
+        ),
+        (
+            "import py_trees\nclass Own(py_trees.behaviours.Success):\n    def __init__(self): pass",
+            "5:5: error: Own.__init__ does not take what trees give it: got an unexpected keyword argument 'name'",
+        ),
+    ],
+)
+def test_a_constructor_that_does_not_take_what_trees_give_it_is_a_mistake(
+    workspace: Workspace, head: str, said: str
+) -> None:
+    write(workspace, "own.py", f"{HEAD}{head}\n    def update(self): return Status.SUCCESS\n")
+    with pytest.raises(UserError, match=rf"own.py:{said}.* \[broken-skill\]"):
+        load_skills(workspace)
+
+
 def test_file_names_never_collide_with_modules(workspace: Workspace) -> None:
     before = dict(sys.modules)
     for name in ("numpy", "py_trees", "idle", "json"):

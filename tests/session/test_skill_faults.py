@@ -97,7 +97,7 @@ class Unmade(Skill):
     """Take the place of what makes it a node."""
     width: float = param(1.0, doc="How wide.")
 
-    def __init__(self, name):
+    def __init__(self, name, width=1.0):
         self.tries = 0
 
     def update(self):
