@@ -27,22 +27,40 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
-    """Show of a mistake in what a test has given the line of the test, and not the way through this package."""
+    """Show of a mistake the lines of the test and of its skill, and not the way through this package."""
     if call.excinfo is None or item.config.getoption("fulltrace"):
         return
-    from humanoid_bt.core.errors import UserError
+    from humanoid_bt.core.errors import HumanoidBtError, UserError
 
     error = call.excinfo.value
-    if isinstance(error, UserError):
+    if not isinstance(error, HumanoidBtError):
+        return
+    from humanoid_bt.tree.ticking.executor import NodeError
+
+    if isinstance(error, (UserError, NodeError)):
         _hide_own_frames(error.__traceback__)
         error.__cause__, error.__suppress_context__ = None, True
+    if isinstance(error, NodeError) and (entry := _beyond_own_frames(error.error.__traceback__)):
+        _hide_own_frames(entry)
+        error.__cause__ = error.error.with_traceback(entry)
+
+
+def _beyond_own_frames(entry: TracebackType | None) -> TracebackType | None:
+    """Return where a traceback leaves this package, None if it does not."""
+    while entry is not None and _is_own(entry):
+        entry = entry.tb_next
+    return entry
+
+
+def _is_own(entry: TracebackType) -> bool:
+    return Path(entry.tb_frame.f_code.co_filename).is_relative_to(_PACKAGE)
 
 
 def _hide_own_frames(entry: TracebackType | None) -> None:
     """Take the frames of this package out of a traceback, but for those that pytest itself has called: fixtures."""
     while entry is not None:
         if "_pytest" not in Path(entry.tb_frame.f_code.co_filename).parts:
-            while (inner := entry.tb_next) and Path(inner.tb_frame.f_code.co_filename).is_relative_to(_PACKAGE):
+            while (inner := entry.tb_next) and _is_own(inner):
                 entry.tb_next = inner.tb_next
         entry = entry.tb_next
 

@@ -112,6 +112,18 @@ def test_a_mistake_in_a_test_is_shown_at_its_own_line(user: pytest.Pytester) -> 
     assert any("/humanoid_bt/testing/rig.py" in line for line in all_)
 
 
+def test_an_exception_of_a_skill_is_shown_at_its_own_lines_and_the_line_of_the_test(user: pytest.Pytester) -> None:
+    make_project(user.path)
+    walk = "    resources = ('base',)\n    def update(self):\n        self.robot.walk_to((1, 2, 3), 0.0)\n"
+    forget = "    def update(self):\n        self.running('on the way')\n"
+    text = f"from humanoid_bt import Skill\nclass Stray(Skill):\n{walk}\nclass Forget(Skill):\n{forget}"
+    (user.path / "skills" / "faulty.py").write_text(text)
+    user.makepyfile(test_mine="def test_0(rig):\n    rig.run('stray')\n\ndef test_1(rig):\n    rig.run('forget')\n")
+    shown = user.runpytest_inprocess("-p", "no:cacheprovider").outlines
+    places = [line.rpartition(":")[0] for line in shown if re.match(r"\S+\.py:\d+: ", line)]
+    assert places == ["skills/faulty.py:5", "test_mine.py:2", "test_mine.py:5"]
+
+
 def test_the_workspace_can_lie_elsewhere(user: pytest.Pytester) -> None:
     make_project(user.path / "robot")
     user.makeini("[pytest]\nhumanoid_bt_workspace = robot\nhumanoid_bt_robot = humanoid\n")
