@@ -344,6 +344,9 @@ def test_what_was_before_does_not_count_again(again: TreeRun, text: str, why: st
         ("never: fell while", 18, "'' is no expression: a value is expected at the end", ""),
         ("always: fill", 9, "in 'fill': unknown name 'fill'", "of a node ask: fill runs, or ran"),
         ("always: fill rus", 14, "'fill rus' is no expression: 'rus' is not expected there", "did you mean 'runs'?"),
+        ("never: fell or hot  tea runs", 21, "'tea' is not expected there", "in quotes: fell or 'hot  tea' runs"),
+        ("hot tea.feedback == 'x'", 5, "'tea' is not expected there", "in quotes: 'hot tea'.feedback == 'x'"),
+        ("hot tea and fill runs", 5, "'tea' is not expected there", "valid: failed, halted, ran, runs"),
         ("fil runs", 1, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
         ("that ran", 1, "the tree 'tea' has no node 'that'", "valid: "),  # of 'not that'
         ("outcome == sucess", 12, "no run ends with 'sucess'", "did you mean 'success'?"),

@@ -188,10 +188,23 @@ class _Parser:
         syntax = self._or()
         token = self._token
         if token.kind == "name" and token.text not in _MEANT and self._verbs:
-            raise SyntaxMistake(f"{token.text!r} is not expected there", token.start, nearest(token.text, self._verbs))
+            hint = self._quoted() or nearest(token.text, self._verbs)
+            raise SyntaxMistake(f"{token.text!r} is not expected there", token.start, hint)
         if token.kind != "end":
             raise _unexpected(token.text, token.start)
         return syntax
+
+    def _quoted(self) -> str:
+        """Return how it is written if words from the last one on are a node's name, "" if nothing is asked of it."""
+        begin = end = self._next - 1
+        while self._tokens[end].kind == "name" and self._tokens[end].text not in (*_WORDS, *self._verbs):
+            end += 1
+        if end < self._next or self._tokens[end].text not in (".", *self._verbs):
+            return ""
+        start, last = self._tokens[begin].start, self._tokens[end - 1]
+        stop = last.start + len(last.text)
+        written = f"{self._text[:start]}{self._text[start:stop]!r}{self._text[stop:]}"
+        return f"a name of several words stands in quotes: {written}"
 
     @property
     def _token(self) -> _Token:
