@@ -85,6 +85,14 @@ def _blamed(robot: RobotModel, found: list[Problem]) -> list[Problem]:
 
 
 def _implausible(robot: RobotModel) -> Iterator[Problem]:
+    yield from _forgotten_hand(robot)
+    yield from _without_limits(robot)
+    yield from _odd_numbers(robot)
+    outside = list(_home_outside(robot))
+    yield from outside or _implausible_at_home(robot)  # in such a posture all else would look wrong
+
+
+def _implausible_at_home(robot: RobotModel) -> Iterator[Problem]:
     data = mujoco.MjData(robot.model)
     data.qpos[:] = robot.home_qpos
     mujoco.mj_kinematics(robot.model, data)
@@ -92,13 +100,9 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     yield from roles
     yield from _wrong_neck(robot)
     yield from _soles_off(robot)
-    yield from _home_outside(robot)
     yield from _wrong_bodies(robot, data)
-    yield from _forgotten_hand(robot)
     if not roles:
         yield from _asymmetries(robot, data)
-    yield from _without_limits(robot)
-    yield from _odd_numbers(robot)
     yield from _wider_than_said(robot, data)
 
 

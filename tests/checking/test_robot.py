@@ -305,6 +305,12 @@ def test_a_model_in_millimetres_is_told_before_all_else(robot: Path) -> None:
     assert (robot / "robot.yaml").read_text().splitlines()[problem.place.line - 1].startswith("model:")
 
 
+def test_a_home_posture_beyond_the_limits_is_told_alone(robot: Path) -> None:
+    file = robot / "robot.yaml"
+    file.write_text(file.read_text().replace('"*_knee": 0.70', '"*_knee": 3.5'))
+    assert [problem.code for problem in found(robot)] == ["home-outside"]
+
+
 @pytest.mark.trials
 def test_joints_may_be_meant_to_have_no_limits(robot: Path) -> None:
     model, file = robot / "humanoid.xml", robot / "robot.yaml"
