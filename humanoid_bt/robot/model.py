@@ -260,7 +260,8 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         if not matching(hinges, pattern):
             hint, place = nearest(pattern, hinges), config.place(*keys)
             problems.append(Problem(f"no joint of the model matches {pattern!r}", place, hint, code="unknown-joint"))
-    if len(free) != 1 or free[0].parent.name != config.base or spec.joints[0].type != mujoco.mjtJoint.mjJNT_FREE:
+    floats = len(free) == 1 and spec.joints[0].type == mujoco.mjtJoint.mjJNT_FREE
+    if not floats or (config.base in bodies and config.base != free[0].parent.name):
         hint = "a floating base: <freejoint/> in that body, before every other joint"
         wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
         problems.append(Problem(wanted, config.place("base"), hint, code="model"))
