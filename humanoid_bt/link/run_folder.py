@@ -102,6 +102,7 @@ class RunFolder:
                 run._life = life.begin(run.folder / f"{_LIFE}{_OWNER}")
                 _write_meta(run.folder, replace(info, run_id=run_id, started=started, processes={_OWNER: os.getpid()}))
             except OSError as error:
+                run.close()
                 raise LinkError(f"{run.folder} cannot be made: {error.strerror}") from error
         return run
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, lockstep_root
+from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import encode_state, state_room
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.estop_follower import EStopFollower, Tell
@@ -30,7 +31,11 @@ class LockstepLink:
     def __init__(self, info: RunInfo, joints: Sequence[str], supervisor: Supervisor, tell: Tell) -> None:
         clean_stale()
         self._folder = folder = RunFolder.create(info, lockstep_root())
-        channels.create_lockstep_channels(folder, state=state_room(joints))
+        try:
+            channels.create_lockstep_channels(folder, state=state_room(joints))
+        except LinkError:
+            folder.close()
+            raise
         self._teller = TreeTeller(folder)
         self._states = channels.writer(folder, "state")
         self._estop = EStopFollower(channels.estop(folder), supervisor, tell)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.link import run_folder
 from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, default_root, live_runs
@@ -69,6 +71,16 @@ def test_folders_and_files_are_private_whatever_the_umask(root: Path) -> None:
     modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in (root, run.folder, *run.folder.iterdir())}
     private = {"run.json": 0o600, ".life-owner": 0o600, "decision": 0o600}
     assert modes == {"runs": 0o700, run.folder.name: 0o700} | private
+
+
+def test_a_folder_for_which_there_is_no_room_is_not_left_behind(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(run_folder, "_write_meta", full)
+    with pytest.raises(LinkError, match="cannot be made: No space left on device"):
+        RunFolder.create(INFO, root)
+    assert [path.name for path in root.iterdir()] == [".lock"]
 
 
 def test_two_runs_do_not_meet(root: Path) -> None:

@@ -13,7 +13,9 @@ import pytest
 from humanoid_bt.cli import main
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.link import run_folder
+from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.run_folder import RunFolder, live_runs, lockstep_root
+from humanoid_bt.link.segment import LinkError
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.live_tree import TreeWatch
 from humanoid_bt.session.session import Session
@@ -63,6 +65,18 @@ def test_a_run_is_seen_while_it_is_on_and_leaves_nothing(project: Path) -> None:
         }
         assert seen.feedback["walk/emergency_stop/walk"] == "walking"
     assert live_runs(lockstep_root()) == live_runs() == []
+
+
+def test_a_run_for_which_there_is_no_room_in_memory_is_not_seen(
+    project: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def full(path: Path) -> EStop:
+        raise LinkError(f"{path} cannot be made: No space left on device")
+
+    monkeypatch.setattr(EStop, "create", full)
+    with begun(project):
+        assert "other terminals can neither see nor stop this run" in caplog.text
+        assert live_runs(lockstep_root()) == []
 
 
 def test_an_estop_from_outside_stops_in_the_next_step_until_a_reset(project: Path) -> None:
