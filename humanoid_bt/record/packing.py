@@ -27,6 +27,7 @@ _HEADER = struct.Struct("<BIIQ")  # form, rows, columns, check of what follows
 _BUNDLE = struct.Struct("<IIQ")  # messages, bytes of them with their sizes, check of what follows
 _SIZE = struct.Struct("<I")  # of a message
 _EXACT, _ROUNDED = 0, 2
+_WIDTH = {_EXACT: 8, _ROUNDED: 4}  # bytes of a number
 _ZSTD = pa.Codec("zstd", compression_level=1)  # an eighth of the time of zlib for a little less; higher ones save none
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"  # older recordings are compressed by zlib
 _MOST = 2**30  # of a column's resolution; what is larger is kept as it is
@@ -67,16 +68,9 @@ def unpack(packed: bytes, resolution: Array, only: Sequence[int] | None = None) 
     Raises:
         BlockError: the bytes are cut, changed, or were packed for other columns.
     """
-    if len(packed) < _HEADER.size:
-        raise BlockError(f"a block of {len(packed)} bytes is too short")
-    form, rows, columns, check = _HEADER.unpack_from(packed)
-    body = packed[_HEADER.size :]
-    if zlib.crc32(body) != check:
-        raise BlockError("a block is damaged")
-    size = rows * columns * (4 if form == _ROUNDED else 8)
-    if columns != len(resolution) or size > _LARGEST:
+    form, rows, columns, raw = _opened(packed)
+    if columns != len(resolution):
         raise BlockError(f"a block has {columns} columns, not {len(resolution)}")
-    raw = _inflated(body, size)
     wanted: Any = slice(None) if only is None else list(only)
     if form == _EXACT:
         return np.frombuffer(raw, "<f8").reshape(rows, columns)[:, wanted].copy()
@@ -118,8 +112,27 @@ def unbundle(packed: bytes) -> list[bytes]:
 
 def is_whole(packed: bytes, bundled: bool) -> bool:
     """Return whether the bytes of a block, or of a bundle, are as they were written."""
-    header = _BUNDLE if bundled else _HEADER
-    return len(packed) >= header.size and zlib.crc32(packed[header.size :]) == header.unpack_from(packed)[-1]
+    try:
+        unbundle(packed) if bundled else _opened(packed)
+    except BlockError:
+        return False
+    return True
+
+
+def _opened(packed: bytes) -> tuple[int, int, int, bytes]:
+    """Return form, rows and columns of a block, and its numbers as bytes.
+
+    Raises:
+        BlockError: the bytes are cut or changed.
+    """
+    if len(packed) < _HEADER.size:
+        raise BlockError(f"a block of {len(packed)} bytes is too short")
+    form, rows, columns, check = _HEADER.unpack_from(packed)
+    body = packed[_HEADER.size :]
+    size = rows * columns * _WIDTH.get(form, 0)
+    if zlib.crc32(body) != check or form not in _WIDTH or size > _LARGEST:
+        raise BlockError("a block is damaged")
+    return form, rows, columns, _inflated(body, size)
 
 
 def _compressed(body: bytes) -> bytes:

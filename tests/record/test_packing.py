@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from humanoid_bt.record import packing
-from humanoid_bt.record.packing import BlockError, bundle, pack, unbundle, unpack
+from humanoid_bt.record.packing import BlockError, bundle, is_whole, pack, unbundle, unpack
 
 RESOLUTION = np.array([1e-5, 1e-3, 1.0])
 NUMBERS = st.floats(-1e4, 1e4)
@@ -48,18 +48,20 @@ def test_a_second_of_a_moving_joint_takes_a_tenth_of_its_numbers() -> None:
     assert len(pack(block, RESOLUTION)) < 0.1 * block.nbytes
 
 
-def test_every_damage_is_noticed() -> None:
-    whole = pack(smooth(20), RESOLUTION)
+@pytest.mark.parametrize("last", [0.0, np.inf])
+def test_every_damage_is_noticed(last: float) -> None:
+    block = smooth(20)
+    block[-1, -1] = last
+    whole = pack(block, RESOLUTION)
     cut = [whole[:end] for end in range(len(whole))]
     flipped = [
-        whole[:at] + bytes([whole[at] ^ 1 << bit]) + whole[at + 1 :] for at in range(len(whole)) for bit in (0, 7)
+        whole[:at] + bytes([whole[at] ^ 1 << bit]) + whole[at + 1 :] for at in range(len(whole)) for bit in range(8)
     ]
+    assert is_whole(whole, bundled=False)
     for damaged in [*cut, *flipped]:
-        try:
-            back = unpack(damaged, RESOLUTION)
-        except BlockError:
-            continue
-        pytest.fail(f"read {back.shape} of damaged bytes")
+        assert not is_whole(damaged, bundled=False)
+        with pytest.raises(BlockError):
+            unpack(damaged, RESOLUTION)
 
 
 def test_a_block_of_other_columns_is_refused() -> None:
