@@ -294,7 +294,9 @@ def _fill(log: FlightLog, file: RrdFile) -> None:
     """Take what a file holds into a log."""
     for batch in file.batches(_ENTITY):
         for column, time, value in _values(batch):
-            if column not in _SHAPES:
+            if value is None:
+                log.damaged += 1
+            elif column not in _SHAPES:
                 log.blocks[column].append(value)
                 log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
             elif data := _data(value):
@@ -313,7 +315,7 @@ def _data(text: str) -> dict[str, Any]:
 
 
 def _values(batch: Any) -> Iterator[tuple[str, float, Any]]:
-    """Yield column, time [s] and value of all that is kept exactly."""
+    """Yield column, time [s] and value of all that is kept exactly; None where a row has none that could be it."""
     names = batch.schema.names
     timed = _TIMELINE in names
     times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
@@ -321,6 +323,6 @@ def _values(batch: Any) -> Iterator[tuple[str, float, Any]]:
         if column in names:
             wanted = str if column in _SHAPES else bytes
             for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
-                for value in row or ():
-                    if isinstance(value, wanted):
-                        yield column, (time or 0) * 1e-9, value
+                if row is not None:  # nothing was written into this column then
+                    for value in row or [None]:
+                        yield column, (time or 0) * 1e-9, value if isinstance(value, wanted) else None

@@ -29,7 +29,7 @@ _LARGEST = 1 << 30  # bytes of a message
 _TRAILER = 64  # bytes that may follow the end; before more of them it is damage
 _WINDOW = 1 << 20  # bytes in which the next message is looked for at once
 _LIKE_DATA = _DATA.to_bytes(8, "little")
-_MAYBE_DAMAGED = (pa.ArrowException, OSError, ValueError, TypeError, KeyError, IndexError)
+_MAYBE_DAMAGED = (pa.ArrowException, OSError, ValueError, TypeError, KeyError, IndexError, StopIteration)
 
 
 class RrdFile:
@@ -129,11 +129,13 @@ def _batch(content: bytes, wanted: Callable[[str], bool]) -> tuple[str, Any]:
             raise ValueError(f"{len(raw)} bytes cannot become {size}")
         raw = pa.decompress(raw, size, codec="lz4_raw")
     stream = pa.ipc.open_stream(raw)
-    entity = (stream.schema.metadata or {}).get(b"rerun:entity_path", b"").decode()
+    entity = stream.schema.metadata[b"rerun:entity_path"].decode()
     if not wanted(entity):
         return entity, None
     batch = stream.read_next_batch()
     batch.validate(full=True)
+    if not all(name.isprintable() for name in batch.schema.names):  # which are looked at only as they are asked for
+        raise ValueError("columns without names")
     return entity, batch
 
 

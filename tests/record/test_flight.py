@@ -6,13 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import rerun as rr
 
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.link.table import TableReader, TableWriter
-from humanoid_bt.record.flight import Flight, _Follower
+from humanoid_bt.record.columns import send
+from humanoid_bt.record.flight import FLIGHT, Flight, _Follower
 from humanoid_bt.record.reading import read_cycles, read_flight
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.session import Session
@@ -115,6 +117,14 @@ def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
     for path in (damaged, tmp_path / "missing.rrd"):
         with pytest.raises(UserError, match="no recording that can be read"):
             read_cycles(path)
+
+
+@pytest.mark.parametrize("entries", [pa.array(["text"]), pa.array([[]], pa.list_(pa.binary()))])
+def test_entries_that_are_none_are_counted(record: Maker, file: Path, entries: pa.Array) -> None:
+    with record(setup={"seed": 0}) as recorder:
+        recorder.sample(make_state(0.0), {}, {})
+        send(recorder._outlet.stream, FLIGHT, [1.0], rr.AnyValues.columns(ticks=entries))
+    assert read_flight(file).damage == ["1 entries cannot be read"]
 
 
 def recorded(folder: Path, duration: float) -> Path:

@@ -68,6 +68,21 @@ def test_a_damaged_content_costs_its_message_and_is_counted(file: Path, tmp_path
     assert costs == {0, 1}
 
 
+def test_whatever_bit_of_a_message_is_flipped_the_next_one_is_read(file: Path, tmp_path: Path) -> None:
+    data, path = file.read_bytes(), tmp_path / "broken.rrd"
+    ends = [*messages(data)[1:], len(data)]
+    for one in (data[begin:end] for begin, end in zip(messages(data), ends, strict=True)):
+        path.write_bytes(data[:12] + one)
+        if found(path, "/flight") and b"ticks" not in one:
+            break
+    whole = found(path, "/flight")
+    for at in range(16, min(len(one), 1000)):
+        flipped = bytearray(one)
+        flipped[at] ^= 0x88
+        path.write_bytes(data[:12] + flipped + one)
+        assert found(path, "/flight")[-1:] == whole
+
+
 def test_where_a_cut_file_ends_is_told(file: Path, tmp_path: Path) -> None:
     data = file.read_bytes()
     path = tmp_path / "cut.rrd"
