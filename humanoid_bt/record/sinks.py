@@ -11,7 +11,7 @@ from pathlib import Path
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.folder_limits import FolderLimits
-from humanoid_bt.record.parts import PART_SIZE
+from humanoid_bt.record.parts import PART_SIZE, first_of
 
 LOOPBACK = "127.0.0.1"
 
@@ -64,6 +64,9 @@ class Sinks:
 def _check_file(path: Path) -> None:
     folder = path.parent
     shown = relative(path)
+    if (first := first_of(path)) != path:  # whose parts a recording of that name would overwrite
+        hint = f"valid: a name that does not end with '.part' and a number, such as {first.stem}-2{path.suffix}"
+        raise UserError(f"the recording {shown!r} has the name of a part of {relative(first)!r}", hint=hint)
     try:
         if path.is_dir():
             raise UserError(f"the recording {shown!r} is a folder", hint="valid: a file name, such as run.rrd")

@@ -33,6 +33,13 @@ def test_a_folder_is_not_a_recording(tmp_path: Path) -> None:
         Sinks(tmp_path).check()
 
 
+@pytest.mark.parametrize("number", ["001", "002", "1000"])
+def test_the_name_of_a_part_is_refused_for_its_recording_would_overwrite_others(tmp_path: Path, number: str) -> None:
+    with pytest.raises(UserError, match=r"(?s)has the name of a part of '.*run\.rrd'.*such as run-2\.rrd"):
+        Sinks(tmp_path / f"run.part{number}.rrd").check()
+    Sinks(tmp_path / "run.part1.rrd").check()
+
+
 def test_a_read_only_folder_is_named_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> NoReturn:
         raise PermissionError(errno.EACCES, "Permission denied")
