@@ -27,17 +27,20 @@ class Asked(abc.ABC):
         request: what is sent.
         tell: tells decision of it.
         goal: the identity of the goal, if it is one.
+
+    Attributes:
+        over: whether nothing more is told of it.
     """
 
     def __init__(self, node: Any, call: Call, client: Any, *, request: Any, tell: Tell, goal: bytes) -> None:
         self.call, self.goal = call, goal
         self._node, self._client, self._request = node, client, request
         self._tell, self._told = tell, ("", "")
-        self._sent = self._over = False
+        self._sent = self.over = False
 
     def look(self) -> None:
         """Send it as soon as somebody offers what it asks; notice when nobody does any more."""
-        if self._over:
+        if self.over:
             return
         name, there = self.call.name, self._ready()
         if there and not self._sent:
@@ -53,7 +56,7 @@ class Asked(abc.ABC):
 
     def drop(self) -> None:
         """Be done with it: nobody wants to hear of it any more."""
-        self._over = True
+        self.over = True
 
     @property
     def orphan(self) -> bool | None:
@@ -62,14 +65,14 @@ class Asked(abc.ABC):
 
     def say(self, state: str, text: str) -> None:
         """Tell something of it that is new."""
-        if not self._over and self._told != (state, text):
+        if not self.over and self._told != (state, text):
             self._told = state, text
             self._tell(state, text, {})
 
     def end(self, state: str, text: str, values: Mapping[str, Any] | None = None) -> None:
         """Tell how it ended."""
-        if not self._over:
-            self._over = True
+        if not self.over:
+            self.over = True
             self._tell(state, text, values or {})
 
     def answered(self, answer: Any) -> None:

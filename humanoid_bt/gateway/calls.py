@@ -63,8 +63,10 @@ class Caller:
             self._order(json.loads(payload))
         for number in list(self._asked) if over else ():
             self._drop(number)
-        for asked in list(self._asked.values()):
+        for number, asked in list(self._asked.items()):
             asked.look()
+            if asked.over and asked.orphan is False:  # a run may ask for hours
+                self._drop(number)
         dropped, self._dropped = self._dropped, []
         for asked in dropped:
             self._leave(asked)
