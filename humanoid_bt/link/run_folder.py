@@ -147,11 +147,14 @@ class RunFolder:
         """Note a process of this run, for people.
 
         Raises:
-            LinkError: the run is closed.
+            LinkError: the run is closed, or there is no room.
         """
         with _locked(self.folder.parent):
             info = self.info
-            _write_meta(self.folder, replace(info, processes={**info.processes, role: pid}))
+            try:
+                _write_meta(self.folder, replace(info, processes={**info.processes, role: pid}))
+            except OSError as error:
+                raise LinkError(f"{self.folder} cannot be written: {error.strerror}") from error
 
     def path(self, name: str) -> Path:
         """Return where a file of this run is.

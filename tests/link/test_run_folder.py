@@ -73,11 +73,25 @@ def test_folders_and_files_are_private_whatever_the_umask(root: Path) -> None:
     assert modes == {"runs": 0o700, run.folder.name: 0o700} | private
 
 
-def test_a_folder_for_which_there_is_no_room_is_not_left_behind(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def fill(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """Leave no room in memory."""
+
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(run_folder, "_write_meta", full)
+    return lambda: monkeypatch.setattr(run_folder, "_write_meta", full)
+
+
+def test_a_process_for_whose_name_there_is_no_room_is_told(root: Path, fill: Callable[[], None]) -> None:
+    with RunFolder.create(INFO, root) as run:
+        fill()
+        with pytest.raises(LinkError, match="cannot be written: No space left on device"):
+            run.register("control", 1)
+
+
+def test_a_folder_for_which_there_is_no_room_is_not_left_behind(root: Path, fill: Callable[[], None]) -> None:
+    fill()
     with pytest.raises(LinkError, match="cannot be made: No space left on device"):
         RunFolder.create(INFO, root)
     assert [path.name for path in root.iterdir()] == [".lock"]
