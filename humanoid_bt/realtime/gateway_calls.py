@@ -75,13 +75,15 @@ class GatewayCalls:
             self._hear(number, Answer(told["state"], told["text"], told["values"]))
 
     def lose(self, why: str) -> None:
-        """Take note that another gateway has come, which knows nothing of the calls of the one before."""
+        """Take note that nobody will hear how calls end that are not over.
+
+        Args:
+            why: for people.
+        """
         for number, answer in list(self._answers.items()):
             if not answer.final:
                 name = self._calls[number].name
-                self._hear(
-                    number, Answer("failure", f"nobody heard what became of {name}: the gateway was gone, {why}")
-                )
+                self._hear(number, Answer("failure", f"nobody heard what became of {name}: {why}"))
                 self._cancel(number, self._calls[number])
 
     def take_news(self) -> Iterator[tuple[int, Answer]]:

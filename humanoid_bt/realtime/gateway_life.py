@@ -108,13 +108,16 @@ class GatewayLife:
         self._hear_answers(self._companions["gateway"])
 
     def _hear_answers(self, gateway: Companion) -> None:
-        """Take answers to calls; those of a gateway that is gone for good will never come."""
-        for payload in self._new("gateway_answer"):
+        """Take answers to calls; those of a gateway that is gone for good, and those that are lost, never come."""
+        payloads, lost = self._since("gateway_answer")
+        for payload in payloads:
             self._calls.hear(json.loads(payload))
+        if lost:
+            self._calls.lose(f"{lost} of the things it told came while nobody listened, and are lost")
         self._why = gateway.gone or self._why
         if gateway.starts != self._starts and not gateway.gone:  # it hears what it is told from now on
             self._starts = gateway.starts
-            self._calls.lose(self._why)
+            self._calls.lose(f"the gateway was gone, {self._why}")
 
     def take_news(self) -> list[tuple[Level, str]]:
         """Return what happened since the last time."""
@@ -155,7 +158,11 @@ class GatewayLife:
             reader.close()
 
     def _new(self, name: str) -> list[bytes]:
-        entries, _ = self._readers[name].since(self._read[name])
+        return self._since(name)[0]
+
+    def _since(self, name: str) -> tuple[list[bytes], int]:
+        """Return what came through a channel since the last time, and how much of it is lost."""
+        entries, lost = self._readers[name].since(self._read[name])
         if entries:
             self._read[name] = entries[-1][0]
-        return [payload for _, payload in entries]
+        return [payload for _, payload in entries], lost

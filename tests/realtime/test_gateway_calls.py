@@ -69,7 +69,7 @@ def test_calls_of_a_gateway_that_is_gone_fail_and_the_next_one_is_to_cancel_them
 ) -> None:
     lost, over = calls.ask(ACTION), calls.ask(SERVICE)
     calls.hear(told(over, "success"))
-    calls.lose("its process ended (killed by signal 9)")
+    calls.lose("the gateway was gone, its process ended (killed by signal 9)")
     assert calls.answer(over).state == "success"
     answer = calls.answer(lost)
     assert (answer.state, orders(ring)[-1]["order"]) == ("failure", "drop")
