@@ -32,7 +32,7 @@ from humanoid_bt.core.messages import (
     PostureTarget,
     Target,
 )
-from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.texts import one_line, shortened
 from humanoid_bt.robot.arms import Arms, joints_fault, speed_fault
 from humanoid_bt.robot.config import ContactConfig, FallConfig
 
@@ -128,9 +128,9 @@ class Supervisor:
     # ---- requests -------------------------------------------------------------------------------------------------
 
     def raise_estop(self, source: str, reason: str) -> None:
-        """Raise the emergency stop; it stays until :meth:`reset`."""
+        """Raise the emergency stop; it stays until :meth:`reset`. Its reason is told in one line."""
         if self._estop is None:
-            self._estop = (shortened(source), shortened(reason))
+            self._estop = (one_line(shortened(source)), one_line(shortened(reason)))
 
     def request_stop(self, source: str, reason: str) -> None:
         """Ask for a protective stop until the end of the run: what commanded the robot has failed."""

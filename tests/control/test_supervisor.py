@@ -68,6 +68,12 @@ def test_it_acts_in_the_next_cycle_and_names_the_first_who_raised_it(run: Run) -
     assert len(run.supervisor.stops) == 1
 
 
+def test_whatever_lines_its_reason_has_it_is_told_in_one(run: Run) -> None:
+    run.supervisor.raise_estop("key\nboard", "in\nthe\tway")
+    run.go()
+    assert (run.supervisor.source, run.supervisor.reason) == ("key board", "in the way")
+
+
 def test_after_a_reset_the_old_command_is_not_taken_up_again(run: Run) -> None:
     run.send()
     run.supervisor.raise_estop("keyboard", "pressed")
