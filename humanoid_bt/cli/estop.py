@@ -1,7 +1,7 @@
 """``estop``: stopping every robot, by whatever is left of its run.
 
-Raising comes first and needs nothing but the log of the e-stop. Telling what came of it needs the run's other files:
-where one is missing or damaged the robot is stopped all the same, and it is told that nobody can see it from here.
+Raising needs nothing but the log of the e-stop. Telling what came of it needs the run's other files: where one is
+missing or damaged the robot is stopped all the same, and it is told that nobody can see it from here.
 Nothing heavy is imported here: it is wanted at once.
 """
 
@@ -66,6 +66,7 @@ class _Watch:
 
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
+        self._name = identity(folder)  # before it is stopped: a run that ends by it takes its folder along
         self._stood = False  # it was raised before
         self._problem = ""  # why the e-stop is not raised
         self._unseen = ""  # why nobody can see what comes of it
@@ -91,8 +92,8 @@ class _Watch:
     @property
     def matters(self) -> bool:
         """Whether a robot may walk there: neither a run that has ended, nor the folder of a dead one."""
-        if not self._folder.folder.exists():
-            return False
+        if self._ended:
+            return not self._problem  # it was there to be stopped
         try:
             return self._folder.info.alive
         except LinkError:  # it does not say itself
@@ -108,7 +109,11 @@ class _Watch:
     @property
     def decided(self) -> bool:
         """Whether nothing more will be known."""
-        return bool(self._stopped or self._problem or self._unseen) or not self._folder.folder.exists()
+        return bool(self._stopped or self._problem or self._unseen) or self._ended
+
+    @property
+    def _ended(self) -> bool:
+        return not self._folder.folder.exists()
 
     def collect(self) -> None:
         """Note which states came."""
@@ -142,7 +147,7 @@ class _Watch:
 
     def report(self) -> bool:
         """Print how long it took, or that nobody knows; return whether the robot is stopped, or gone."""
-        name = identity(self._folder)
+        name, ended = self._name, self._ended
         if self._problem:
             print(f"{name}: not stopped: {self._problem}", file=sys.stderr)
             return False
@@ -150,12 +155,13 @@ class _Watch:
             at, state = self._stopped
             what = state.mode.value.replace("_", " ")
             if at:
-                print(f"{name}: {what} after {(at - self._raised_at) * 1000:.1f} ms")
+                what += f" after {(at - self._raised_at) * 1000:.1f} ms"
+                print(f"{name}: {what}{', which ended the run' if ended else ''}")
             else:
                 print(f"{name}: {what} since before: {one_line(f'{state.stop_reason} ({state.stop_source})')}")
             return True
-        if not self._folder.folder.exists():
-            print(f"{name}: the run has ended")
+        if ended:
+            print(f"{name}: {'the run has ended' if self._stood else 'this stop ended the run'}")
             return True
         if self._unseen:
             why = f"whether the robot stopped cannot be seen: {self._unseen}"

@@ -44,6 +44,7 @@ class Played:
         self.mode = Mode.RUN
         self.tell(make_state(1.0))
         self.hangs = threading.Event()
+        self.ends = False  # with its first stop
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._control)
         self._thread.start()
@@ -61,6 +62,8 @@ class Played:
                 mode = Mode.EMERGENCY_STOP if raised else Mode.RUN
                 reason, source = (raised.reason, raised.source) if raised else ("", "")
                 self.tell(make_state(2.0, mode, reason, source))
+                if self.ends and raised:
+                    self.folder.close()
 
     @property
     def stopped(self) -> bool:
@@ -110,6 +113,14 @@ def test_estop_stops_and_reset_lets_go(one: Played, capsys: pytest.CaptureFixtur
     assert "since before: in the way" in capsys.readouterr().out
     assert main(["reset"]) == 0
     assert capsys.readouterr().out.startswith("reset: in the way (humanoid-bt estop (")
+
+
+def test_a_run_that_a_stop_ends_is_told_by_its_name(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    one.ends, name = True, one.folder.info.run_id
+    assert main(["estop"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith(f"fetch on humanoid, realtime ({name}): emergency stop after ")
+    assert told.endswith(" ms, which ended the run\n")
 
 
 def _lose_ring(folder: Path) -> None:
