@@ -21,7 +21,9 @@ def coverage(arguments: argparse.Namespace) -> int:
         write(arguments.html, page(report))
     if arguments.json is not None:
         write(arguments.json, report.to_json())
-    missed = report.missed(arguments.fail_under) if arguments.fail_under is not None else ""
+    missed = report.missed(arguments.fail_under or 0.0)  # a file with mistakes is not even enough for that
     if missed:
         print(f"error: {missed}", file=sys.stderr)
+    if report.problems:
+        return ExitCode.USAGE
     return ExitCode.FAILURE if missed else ExitCode.SUCCESS

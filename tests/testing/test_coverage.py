@@ -230,6 +230,15 @@ def test_a_broken_file_is_told_and_is_not_enough(halted: Path) -> None:
     assert report.percent == 0
 
 
+@pytest.mark.parametrize("asked", [[], ["--fail-under", "1"]])
+def test_with_a_broken_file_the_command_fails_as_check_does(
+    halted: Path, asked: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(Workspace(halted), "broken", "root: {act: {scrip: s}}\n")
+    assert main(["coverage", "counted", *asked]) == 2
+    assert capsys.readouterr().err.startswith("error: trees/broken.yaml:2:")
+
+
 def test_a_narrow_terminal_wraps(halted: Path) -> None:
     report = tree_coverage(coverage_in(halted / "counted"), tree_files([], halted))
     assert max(map(len, report.text(40).splitlines())) <= 40

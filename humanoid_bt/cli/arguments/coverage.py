@@ -21,7 +21,7 @@ examples:
 exit codes:
   0  done
   1  less than N percent were tried
-  2  usage, or a file that cannot be read
+  2  usage, a file that cannot be read, or a tree with mistakes
 """
 
 
