@@ -18,7 +18,6 @@ from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
-from humanoid_bt.core.units import base_unit
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.source_files import files_of
@@ -28,6 +27,7 @@ from humanoid_bt.robot.files import files_of as robot_files
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.testing.conditions import NOISE, Conditions, unsimulated
 from humanoid_bt.tree.source.file import read_file
+from humanoid_bt.tree.source.given import with_unit_of
 from humanoid_bt.tree.source.parameters import NodeItem
 from humanoid_bt.tree.tree import Tree
 
@@ -202,10 +202,7 @@ def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor
         if declared[name].spec.type is NodeItem:
             raise UserError(f"the parameter {name!r} is a node, which only another tree can give", place)
     spec = read_file(trees[0], []).parameters[name].spec
-    if spec.type is float and not spec.unit:  # as with run --set: 200 ms of a parameter that is a plain number
-        given = [item.value for item in variation.ends or variation.values if isinstance(item.value, str)]
-        spec = replace(spec, unit=next((unit for text in given if (unit := base_unit(text))), ""))
-    return variation.factor(f"{SET}.{name}", spec)
+    return variation.factor(f"{SET}.{name}", with_unit_of(variation.ends or variation.values, spec))
 
 
 def _condition(name: str, variation: Variation, dry: bool) -> Factor:

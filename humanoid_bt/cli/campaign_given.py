@@ -7,15 +7,20 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt.campaign.file import FOLDER, CampaignFile, named_after
+from humanoid_bt.campaign.file import FOLDER, CampaignFile, Names, named_after
 from humanoid_bt.campaign.variation import BETWEEN
-from humanoid_bt.cli.overrides import sources
+from humanoid_bt.cli.overrides import pair, sources
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.source.file import read_file
+from humanoid_bt.tree.source.given import TEXTS, written_item
+
+_ANY = Param("", Any)
 
 
 def workspace_given(arguments: argparse.Namespace) -> Workspace:
@@ -40,7 +45,7 @@ def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple
     item = _base(arguments.what[0], workspace)
     places = dict(item.key_places)
     values: dict[str, Item] = dict(item.value)
-    for name, value in _given(arguments, values):
+    for name, value in _given(arguments, values, workspace):
         values[name] = value
         places[name] = value.place
     campaign: CampaignFile = read(CampaignFile, Item(values, item.place, places), "the campaign")
@@ -69,19 +74,21 @@ def _is_tree(item: Item) -> bool:
     return isinstance(item.value, dict) and "root" in item.value
 
 
-def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator[tuple[str, Item]]:
+def _given(
+    arguments: argparse.Namespace, known: Mapping[str, Item], workspace: Workspace
+) -> Iterator[tuple[str, Item]]:
     """Yield what the command line gives, by the key of a campaign file that says the same."""
     for key in ("scene", "robot", "seeds", "duration", "time_limit", "recordings", "dry", "fail_on"):
         if (value := getattr(arguments, key)) is not None:
             yield key, item_of(value, Place(f"--{key.replace('_', '-')}"))
     if (named := sources(arguments.perception)) is not None:
         yield "perception", named
-    for key, option, texts in (
-        ("parameters", "--set", arguments.overrides),
-        ("conditions", "--condition", arguments.conditions),
-    ):
-        if texts:
-            yield key, _joined(known.get(key), option, texts)
+    if arguments.overrides:
+        pairs = [(Place(f"--set {text}"), *pair(text)) for text in arguments.overrides]
+        yield "parameters", _joined(known.get("parameters"), pairs, _declared(known.get("tree"), workspace))
+    if arguments.conditions:
+        pairs = [(Place(f"--condition {text}"), *_pair(text, "--condition")) for text in arguments.conditions]
+        yield "conditions", _joined(known.get("conditions"), pairs, {})
     if arguments.pushes:
         pushes = [_push(text) for text in arguments.pushes]
         yield "pushes", Item(pushes, Place("--push"))
@@ -93,26 +100,43 @@ def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator
         )
 
 
-def _joined(before: Item | None, option: str, texts: list[str]) -> Item:
-    """Return a mapping of names to what options give them, in the place of what a file gives them."""
+def _declared(tree: Item | None, workspace: Workspace) -> Mapping[str, Param]:
+    """Return the parameters of the first tree; none if it cannot be read, which is told later."""
+    try:
+        names = Names.from_item(tree or Item(None, Place("tree")), "tree").items
+        declared = read_file(workspace.find_tree(names[0].value), []).parameters
+    except UserError:
+        return {}
+    return {name: declaration.spec for name, declaration in declared.items()}
+
+
+def _joined(before: Item | None, pairs: list[tuple[Place, str, str]], declared: Mapping[str, Param]) -> Item:
+    """Return a mapping of names to what options give them, in the place of what a file gives them.
+
+    Args:
+        before: what the file gives.
+        pairs: each option, its name and its value.
+        declared: what is known of the values; one that is text stays as it is.
+    """
     found: dict[str, list[Item]] = {}
-    for text in texts:
-        name, value = _pair(text, option)
-        found.setdefault(name, []).append(_value(value, Place(f"{option} {text}")))
+    for place, name, text in pairs:
+        found.setdefault(name, []).append(written_item(declared.get(name, _ANY), text, place))
     values = dict(before.value) if before is not None and isinstance(before.value, dict) else {}
     places = dict(before.key_places) if before is not None else {}
     for name, items in found.items():
-        if drawn := [item for item in items if len(items) > 1 and BETWEEN in str(item.value)]:
+        is_text = declared.get(name, _ANY).type in TEXTS
+        if drawn := [item for item in items if not is_text and len(items) > 1 and BETWEEN in str(item.value)]:
             raise UserError(f"{name!r} is drawn, and given other values too", drawn[0].place)
-        values[name] = items[0] if len(items) == 1 else Item(items, items[0].place)
+        values[name] = Item(items, items[0].place) if is_text or len(items) > 1 else items[0]
         places[name] = items[0].place
-    return Item(values, Place(option), places)
+    return Item(values, pairs[0][0], places)
 
 
 def _push(text: str) -> Item:
     place = Place(f"--push {text}")
     pairs = [_pair(part, "--push") for part in text.split(",")]
-    return Item({name: _value(value, place) for name, value in pairs}, place, {name: place for name, _ in pairs})
+    items = {name: written_item(_ANY, value, place) for name, value in pairs}
+    return Item(items, place, dict.fromkeys(items, place))
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:
@@ -123,15 +147,6 @@ def _pair(text: str, option: str) -> tuple[str, str]:
 
 
 _EXAMPLES = {
-    "--set": "stop_distance=40cm",
     "--condition": f"friction=0.5{BETWEEN}1.2",
     "--push": f"at=2s,force=20{BETWEEN}80,direction=90deg",
 }
-
-
-def _value(text: str, place: Place) -> Item:
-    """Return a value as a file would hold it."""
-    try:
-        return item_of(document.parse(text, str(place)).plain(), place)
-    except UserError:
-        return Item(text, place)

@@ -17,14 +17,23 @@ def overrides(texts: list[str]) -> dict[str, str]:
     """
     values: dict[str, str] = {}
     for text in texts:
-        name, equals, value = text.partition("=")
-        name = name.strip()
-        if not equals or not name:
-            raise UserError(f"--set {text!r} is not NAME=VALUE", hint="example: --set reach_distance=0.45")
+        name, value = pair(text)
         if name in values:
             raise UserError(f"--set {text!r}: {name!r} was set to {values[name]!r} before", hint="give each name once")
         values[name] = value
     return values
+
+
+def pair(text: str) -> tuple[str, str]:
+    """Return name and value of one ``--set NAME=VALUE``.
+
+    Raises:
+        UserError: it is not of this form.
+    """
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip():
+        raise UserError(f"--set {text!r} is not NAME=VALUE", hint="example: --set reach_distance=0.45")
+    return name.strip(), value
 
 
 def sources(texts: list[str]) -> Any:

@@ -23,7 +23,11 @@ class Say(Skill):
         \"\"\"Fail.\"\"\"
         return self.fail(f"{self.times} times")
 """
-MINE = "format: 1\nparameters: {times: 3, long: 0.1}\nroot: {sequence: [{wait: $long}, {say: {times: $times}}]}\n"
+MINE = """
+format: 1
+parameters: {times: 3, long: 0.1, label: ""}
+root: {sequence: [{wait: $long}, {log: {text: $label}}, {say: {times: $times}}]}
+"""
 
 
 @pytest.fixture
@@ -61,6 +65,15 @@ def test_units_are_taken_as_run_takes_them(project: Path) -> None:
     assert campaign("--set", "long=200ms", "--out", "runs/a") == 0
     (factor,) = json.loads((project / "runs/a/campaign.json").read_text())["factors"]
     assert (factor["unit"], factor["values"]) == ("s", [0.2])
+
+
+def test_text_is_taken_as_run_takes_it(project: Path) -> None:
+    texts = ["12", "yes", "a: b", "[a, b]", "../a", ""]
+    assert campaign(*(f"--set=label={text}" for text in texts), "--out", "runs/a") == 0
+    assert campaign("--set", "label=../a", "--out", "runs/b") == 0
+    for folder, tried in {"a": texts, "b": ["../a"]}.items():
+        (factor,) = json.loads((project / f"runs/{folder}/campaign.json").read_text())["factors"]
+        assert factor["values"] == tried
 
 
 def test_results_stay_where_they_were_asked_for(project: Path, tmp_path: Path, monkeypatch: Any) -> None:

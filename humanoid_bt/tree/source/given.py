@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import textwrap
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
@@ -16,6 +16,9 @@ from humanoid_bt.core.reading import convert
 from humanoid_bt.core.units import base_unit
 from humanoid_bt.files import document
 from humanoid_bt.tree.source.parameters import Argument, Declaration, NodeItem
+
+TEXTS = (str, PerceptName)
+"""Types of parameters that take what is given from outside as it is written: 12 and yes are texts."""
 
 _SHOWN = 60  # characters of a value, in messages
 
@@ -59,16 +62,15 @@ def overrides(
             problems.append(Problem(f"the tree has no parameter {name!r}", place, hint, "unknown-parameter"))
             continue
         spec = declared[name].spec
-        text = value.value if isinstance(value, Item) else value
-        unit = base_unit(text) or "" if spec.type is float and not spec.unit and isinstance(text, str) else ""
         if spec.type is NodeItem:
             hint = "only a tree that uses this one can give it"
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
             continue
         try:
             item = written_item(spec, value, place)
-            converted = convert(replace(spec, unit=spec.unit or unit), item)
-            found[name] = Argument(converted, place, written=item.plain(), unit=unit)
+            taken = with_unit_of([item], spec)
+            unit = "" if spec.unit else taken.unit
+            found[name] = Argument(convert(taken, item), place, written=item.plain(), unit=unit)
         except UserError as error:
             problems += error.problems
     return found
@@ -80,6 +82,14 @@ def _meant(name: str, declared: Collection[str], arguments: Collection[str]) -> 
     if close and close[0] in arguments:
         return f"did you mean the argument {close[0]!r}?"
     return nearest(name, declared) or "the tree declares no parameters"
+
+
+def with_unit_of(values: Iterable[Item], spec: Param) -> Param:
+    """Return the declaration of a plain number with the first unit that its values have (200 ms), others unchanged."""
+    if spec.type is not float or spec.unit:
+        return spec
+    units = (base_unit(item.value) for item in values if isinstance(item.value, str))
+    return replace(spec, unit=next(filter(None, units), ""))
 
 
 def written_item(spec: Param, value: Any, place: Place) -> Item:
@@ -121,7 +131,7 @@ def _plain(name: str, value: Any, place: Place) -> Any:
 
 
 def _written(spec: Param, text: str, place: Place) -> Item:
-    if spec.type in (str, PerceptName):
+    if spec.type in TEXTS:
         return Item(text, place)
     try:
         return item_of(document.parse(text, str(place)).plain(), place)
