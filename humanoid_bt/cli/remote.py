@@ -9,12 +9,14 @@ import argparse
 import json
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from humanoid_bt.cli.estop import STOPPED
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.cli.runs import found_runs, one_run
 from humanoid_bt.cli.source import source
+from humanoid_bt.core.errors import relative
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.link.estop import EStop, ResetAnswer
 from humanoid_bt.link.run_folder import all_runs, clean_stale
@@ -87,7 +89,9 @@ def _described(found: RunStatus) -> str:
     stopped = f": {found.stop_reason} ({found.stop_source})" if found.stop_reason else ""
     rows = [
         ("run", found.run_id),
-        ("tree", f"{found.tree} on {found.robot}, {'realtime' if found.timing else 'lockstep'}"),
+        ("tree", f"{found.tree} on {found.robot} in {found.scene}, {'realtime' if found.timing else 'lockstep'}"),
+        ("file", relative(Path(found.file)) if found.file else ""),
+        ("recording", relative(Path(found.recording)) if found.recording else ""),
         ("up", f"{found.uptime:.1f} s"),
         ("mode", found.mode.replace("_", " ") + stopped),
         ("node", found.node or "none"),
@@ -99,7 +103,7 @@ def _described(found: RunStatus) -> str:
         rows += [("servo", f"{timing['cycles']} cycles, {timing['missed']} deadlines missed"), ("", late)]
         rows += [("cable", timing["cable"])]
     if found.estop is not None and found.mode not in STOPPED:
-        rows.insert(4, ("e-stop", f"raised: {found.estop['reason']} ({found.estop['source']})"))
+        rows.insert(6, ("e-stop", f"raised: {found.estop['reason']} ({found.estop['source']})"))
     rows += _table("leases", [f"{resource}: {node}" for resource, node in found.leases.items()])
     percepts = [f"{name}: {age:.2f} s old" for name, age in found.percepts.items()]
     rows += _table("percepts", percepts + [f"{name}: never seen, {why}" for name, why in found.unseen.items()])

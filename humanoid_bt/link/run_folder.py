@@ -28,7 +28,7 @@ _SHARED_MEMORY = Path("/dev/shm")
 _CLOSED = ".closed-"
 _OWNER = "owner"
 _LIFE = ".life-"
-_FORMAT = 2  # of the meta file; runs of another version of this program are left alone
+_FORMAT = 3  # of the meta file; runs of another version of this program are left alone
 
 _BESIDE = "."  # between a root's name and what is random of the name of a folder that takes its place
 
@@ -44,7 +44,9 @@ class RunInfo:
     """What a run says about itself.
 
     Attributes:
-        tree, robot: what runs on what.
+        tree, robot, scene: the names of what runs on what, and where.
+        file: of the tree, "" for none.
+        recording: where it is recorded to, "" for nowhere.
         run_id: the folder's name; given by :meth:`RunFolder.create`.
         started: wall-clock time, seconds since the epoch; given by :meth:`RunFolder.create`.
         processes: role -> process id, where the process is; ``owner`` made the folder.
@@ -53,6 +55,9 @@ class RunInfo:
 
     tree: str
     robot: str
+    scene: str = ""
+    file: str = ""
+    recording: str = ""
     run_id: str = ""
     started: float = 0.0
     processes: Mapping[str, int] = field(default_factory=dict)
@@ -85,7 +90,7 @@ class RunFolder:
         """Make the folder of a new run, owned by this process.
 
         Args:
-            info: tree and robot.
+            info: what runs.
             root: where runs live; :func:`default_root` if not given.
 
         Raises:
@@ -390,6 +395,9 @@ def _read_meta(folder: Path) -> RunInfo:
         return RunInfo(
             tree=str(meta["tree"]),
             robot=str(meta["robot"]),
+            scene=str(meta["scene"]),
+            file=str(meta["file"]),
+            recording=str(meta["recording"]),
             run_id=str(meta["run_id"]),
             started=float(meta["started"]),
             processes={str(role): int(pid) for role, pid in meta["processes"].items()},

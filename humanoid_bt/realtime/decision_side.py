@@ -65,7 +65,6 @@ class Realtime:
     Args:
         robot: the robot.
         scene: what surrounds it.
-        tree: name of the tree, for ``humanoid-bt status``.
         hold: how long control goes on balancing the robot after decision died [s].
         sources: the percept sources as they are written, None for the simulated tracker; and their workspace.
         chosen: what they are; the simulated tracker if None.
@@ -89,7 +88,6 @@ class Realtime:
         self,
         robot: RobotModel,
         scene: Scene,
-        tree: str,
         hold: float = HOLD_TIME,
         *,
         sources: tuple[Any, str] = (None, ""),
@@ -116,7 +114,7 @@ class Realtime:
         self.timing = Timing()
         self.truth: Truth | None = None
         self.unseen: Mapping[str, str] = {}
-        self._tree, self._hold = tree, hold
+        self._hold = hold
         self._folder: RunFolder | None = None
         self._children: Children | None = None
         self._teller: TreeTeller | None = None
@@ -133,17 +131,20 @@ class Realtime:
 
     # ---- life -------------------------------------------------------------------------------------------------------
 
-    def start(self, log: Path | None = None) -> None:
+    def start(self, info: RunInfo, log: Path | None = None) -> None:
         """Start the other processes and wait until the robot stands and perception has had a first look.
 
         Args:
+            info: what runs, for ``humanoid-bt status``.
             log: file in which control notes what happens.
 
         Raises:
             HumanoidBtError: control or perception did not come up. Call :meth:`close` all the same.
         """
         clean_stale()
-        folder = self._folder = RunFolder.create(RunInfo(self._tree, self.robot.config.name))
+        folder = self._folder = RunFolder.create(info)
+        told = f"the id of this run, for estop, reset and status: {folder.info.run_id}"
+        self.notices.append(Event(self.clock.now(), "info", told))
         others = [run for run, _ in live_runs() if run.folder != folder.folder]  # one that begins now sees this one
         core = None if others else last_core()  # two servo loops on one processor would starve each other
         try:

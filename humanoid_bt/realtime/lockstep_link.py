@@ -19,7 +19,7 @@ class LockstepLink:
     """The folder of one run in lockstep, with the few channels that it needs.
 
     Args:
-        info: tree and robot.
+        info: what runs.
         joints: names of the robot's joints.
         supervisor: what stops the robot.
         tell: is told of resets.

@@ -24,7 +24,9 @@ class RunStatus:
     """A running robot.
 
     Attributes:
-        run_id, tree, robot: of the run.
+        run_id, tree, robot, scene: of the run.
+        file: of the tree, "" for none.
+        recording: where it is recorded to, "" for nowhere.
         uptime: since its start, by the wall clock [s].
         time: engine time of the latest state [s]; None before the first.
         mode: what the supervisor allows, or ``starting``.
@@ -43,6 +45,9 @@ class RunStatus:
     run_id: str
     tree: str
     robot: str
+    scene: str
+    file: str
+    recording: str
     uptime: float
     time: float | None
     mode: str
@@ -79,6 +84,9 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         run_id=info.run_id,
         tree=info.tree,
         robot=info.robot,
+        scene=info.scene,
+        file=info.file,
+        recording=info.recording,
         uptime=round(time.time() - info.started, 1),
         time=round(state.time, 3) if state else None,
         mode=state.mode.value if state else "starting",

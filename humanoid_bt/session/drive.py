@@ -16,6 +16,7 @@ from humanoid_bt.core.messages import Pause, Truth
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.perception.choice import sources_of
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -161,7 +162,7 @@ class Drive:
                 self._recorder.news(0.0, "limits", {"duration": plain(self.loop.limit), "waits": self.loop.waits})
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
-            self.engine.start(self._options.log)
+            self.engine.start(self._info(), self._options.log)
             if self._recorder is not None and (tables := self.engine.cycle_tables):
                 self._recorder.follow(*tables)
             self._teller.begin()
@@ -283,6 +284,17 @@ class Drive:
         """Return what holds Ctrl-C back until a tick is over."""
         return WholeTick(self.ticks.interrupted) if self.ticks.looks else nullcontext()
 
+    def _info(self) -> RunInfo:
+        """Return what runs, for other terminals."""
+        tree, engine, recording = self.runner.tree, self.engine, self._options.sinks.file
+        return RunInfo(
+            tree.name,
+            engine.robot.config.name,
+            engine.scene.config.name,
+            file=str(tree.path.absolute()) if tree.path.is_file() else "",
+            recording=str(recording.absolute()) if recording else "",
+        )
+
     def _open(self, recorder: RunRecorder) -> bool:
         """Open the recording; return whether anybody can watch."""
         tree, engine = self.runner.tree, self.engine
@@ -298,7 +310,7 @@ def _engine(options: RunOptions, loader: TreeLoader, workspace: Workspace) -> En
     """Return what a run needs below its tree, loaded for it."""
     scene = Scene(load_scene(loader.scene), options.seed)
     sources = sources_of(options.perception, loader.first.perception, scene.config)
-    return new_engine(options, loader.robot, scene, loader.first.name, sources=sources, workspace=workspace)
+    return new_engine(options, loader.robot, scene, sources=sources, workspace=workspace)
 
 
 def _goal_trees(

@@ -13,6 +13,7 @@ from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
 from humanoid_bt.decision.calls import Calls
+from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.touches import Touch
@@ -103,10 +104,11 @@ class Engine(Protocol):
     def unseen(self) -> Mapping[str, str]:
         """The percepts that were never published so far, and why."""
 
-    def start(self, log: Path | None = None) -> None:
+    def start(self, info: RunInfo, log: Path | None = None) -> None:
         """Begin; the robot stands.
 
         Args:
+            info: what runs, for ``humanoid-bt status``.
             log: file in which control notes what happens, where it is a process of its own.
 
         Raises:

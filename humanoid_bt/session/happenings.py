@@ -45,15 +45,19 @@ class Happenings:
         for at, text in self._scene.events(self._until, end):
             yield Happening(at, "info", f"scene: {text}")
         self._until = end
-        for notice in self._engine.notices.since(self._notices):
-            yield Happening(notice.time, notice.level, notice.text)
-        self._notices = self._engine.notices.total
+        yield from self.notices()
         yield from self._refusals(now)
         for stop in self._supervisor.stops.since(self._stops):
             how = _HOW_TO_GO_ON if waits and stop.mode is Mode.EMERGENCY_STOP else ""
             text = f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source}){how}"
             yield Happening(stop.time, "error", text)
         self._stops = self._supervisor.stops.total
+
+    def notices(self) -> Iterator[Happening]:
+        """Yield what the engine has to say."""
+        for notice in self._engine.notices.since(self._notices):
+            yield Happening(notice.time, notice.level, notice.text)
+        self._notices = self._engine.notices.total
 
     def touches(self, state: State) -> Iterator[Happening]:
         """Yield what begins to touch the robot, or ends to, harder than is expected: a torso, an arm that yields."""

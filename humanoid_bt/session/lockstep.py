@@ -75,6 +75,7 @@ class Lockstep:
         self._command: Command | None = None  # given, and not yet heard of
         self._resets: deque[str] = deque()  # who asks for one, from any thread
         self._state: State | None = None
+        self._info = RunInfo("", "")
         self._link: LockstepLink | None = None
         self._links = True
         self._told_touches = 0
@@ -149,12 +150,13 @@ class Lockstep:
         """The percepts that its sources publish."""
         return self.perception.names
 
-    def start(self, log: Path | None = None) -> None:
+    def start(self, info: RunInfo, log: Path | None = None) -> None:
         """Begin: perception does; nothing needs a log of its own.
 
         Raises:
             UserError: a percept source cannot begin.
         """
+        self._info = info
         self.perception.start()
 
     def log_cycles(self) -> None:
@@ -194,8 +196,7 @@ class Lockstep:
             return
         try:
             if self._link is None:
-                info = RunInfo(tree.name, self.robot.config.name)
-                self._link = LockstepLink(info, self.robot.joint_names, self.supervisor, self._note)
+                self._link = LockstepLink(self._info, self.robot.joint_names, self.supervisor, self._note)
             self._link.tell(status, self._state, tree)
         except (LinkError, OSError) as error:
             self._links = False

@@ -72,8 +72,10 @@ class Teller:
         return self._engine.clock.now()
 
     def begin(self) -> None:
-        """Count ticks from now on."""
+        """Count ticks from now on, and tell what there is to say before the first one."""
         self._began = time.monotonic()
+        for notice in self._happenings.notices():
+            self.event(notice.level, notice.text, notice.time)
 
     def event(self, level: Level, text: str, at: float | None = None) -> None:
         """Tell of something that happened, now or at an engine time [s]."""

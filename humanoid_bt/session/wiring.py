@@ -22,7 +22,7 @@ from humanoid_bt.session.options import RunOptions
 
 
 def new_engine(
-    options: RunOptions, robot_path: Path, scene: Scene, tree: str, *, sources: Sources | None, workspace: Workspace
+    options: RunOptions, robot_path: Path, scene: Scene, *, sources: Sources | None, workspace: Workspace
 ) -> Engine:
     """Return control, plant and perception of a run, not yet started.
 
@@ -30,7 +30,6 @@ def new_engine(
         options: in which mode.
         robot_path: the ``robot.yaml``.
         scene: what surrounds the robot.
-        tree: name of the tree, for ``humanoid-bt status``.
         sources: of percepts; None for the simulated tracker.
         workspace: where they are found.
 
@@ -43,7 +42,7 @@ def new_engine(
         gateway = _gateway(workspace.find_gateway(options.gateway), sources, chosen) if options.gateway else None
         written = (sources.written if sources else None, str(workspace.root))
         plant = options.plant, options.plant_key
-        return Realtime(robot, scene, tree, options.hold, sources=written, chosen=chosen, plant=plant, gateway=gateway)
+        return Realtime(robot, scene, options.hold, sources=written, chosen=chosen, plant=plant, gateway=gateway)
     from humanoid_bt.session.lockstep import Lockstep  # noqa: PLC0415 (control, which a realtime run has elsewhere)
 
     return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))

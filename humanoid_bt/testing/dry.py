@@ -44,6 +44,7 @@ from humanoid_bt.core.messages import (
 )
 from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.core.palm import axis_of, in_world, other_side
+from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.scene import Scene
@@ -120,7 +121,7 @@ class Dry:
         """The percepts that were never published so far, and why."""
         return self.perception.unseen
 
-    def start(self, log: Path | None = None) -> None:
+    def start(self, info: RunInfo, log: Path | None = None) -> None:
         """Begin; only perception has something to start."""
         self.perception.start()
 

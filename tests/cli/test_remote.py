@@ -35,7 +35,8 @@ class Played:
     """A run whose control is played by a thread."""
 
     def __init__(self, tree: str, refusal: str = "") -> None:
-        self.folder = RunFolder.create(RunInfo(tree, "humanoid"))
+        file, recording = Path("trees", f"{tree}.yaml").absolute(), Path("runs", f"{tree}.rrd").absolute()
+        self.folder = RunFolder.create(RunInfo(tree, "humanoid", "empty", str(file), str(recording)))
         channels.create_channels(self.folder)
         self.states = channels.writer(self.folder, "state")
         self.estop = channels.estop(self.folder)
@@ -240,6 +241,8 @@ def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureF
     assert max(map(len, out.splitlines())) <= 60
     shown = " ".join(out.split())
     for text in (
+        f"run {one.folder.info.run_id} tree fetch on humanoid in empty, realtime",
+        "file trees/fetch.yaml recording runs/fetch.rrd",
         "mode run",
         "1.2 m to go",
         "50.0 Hz",
@@ -250,6 +253,7 @@ def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureF
         assert text in shown
     assert main(["status", "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)
+    assert (found["file"], found["recording"]) == (one.folder.info.file, one.folder.info.recording)
     assert found["leases"] == {"base": "fetch/emergency_stop/approach"}
     assert found["percepts"] == {"target": 0.25}
     assert found["unseen"] == {"cup": "hidden"}

@@ -170,7 +170,7 @@ def test_processes_are_told_for_people_and_none_of_it_says_that_they_live(root: 
 def test_a_run_of_another_version_is_left_alone(root: Path, caplog: pytest.LogCaptureFixture) -> None:
     run = RunFolder.create(INFO, root)
     meta = run.folder / "run.json"
-    meta.write_text(meta.read_text().replace('"format": 2', '"format": 1'))
+    meta.write_text(meta.read_text().replace('"format": 3', '"format": 2'))
     run.leave()
     assert live_runs(root) == clean_stale(root) == []
     assert run.folder.exists()

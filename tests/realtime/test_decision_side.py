@@ -30,7 +30,7 @@ class Played:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         workspace = Workspace(builtin_root())
         robot, _ = load_robot(Path(workspace.find_robot("humanoid")))
-        self.engine: Any = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0), "tree")
+        self.engine: Any = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
         self.now, self.stands_still, self.speaks, self.ended = 100.0, 0.0, True, ""
         clock = SimpleNamespace(monotonic=lambda: self.now, sleep=self._sleep)
         monkeypatch.setattr(decision_side, "time", clock)

@@ -81,6 +81,8 @@ def test_a_killed_control_process_ends_the_run(live: Start) -> None:
 def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it(live: Start) -> None:
     run = live("watched", "--on-estop", "end", record=False)
     run.walks()
+    told_id, *_ = (line for line in run.output.splitlines() if " s " in line)
+    assert told_id == f"   0.00 s • the id of this run, for estop, reset and status: {run.run_id}"
     run.kill("perception")
     ended = "the perception process ended (killed by signal 9)"
     until("the watchdog's branch", lambda: "▶ blind" in run.output.partition(ended)[2])

@@ -24,10 +24,10 @@ def test_a_control_process_that_does_not_come_up_is_told(tmp_path: Path, monkeyp
     monkeypatch.setattr(sys, "executable", "/bin/false")
     workspace = Workspace(builtin_root())
     robot, _ = load_robot(workspace.find_robot("humanoid"))
-    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0), "tree")
+    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
     threads = threading.active_count()
     with pytest.raises(ControlLost, match=r"the control process ended \(exit code 1\)"):
-        realtime.start()
+        realtime.start(RunInfo("tree", "robot"))
     realtime.close()
     realtime.close()
     assert [path.name for path in (tmp_path / "runs").iterdir()] == [".lock"]
@@ -51,9 +51,9 @@ def test_control_has_a_core_to_itself_only_if_no_other_run_begins(
     monkeypatch.setattr(RunFolder, "create", begin)
     workspace = Workspace(builtin_root())
     robot, _ = load_robot(workspace.find_robot("humanoid"))
-    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0), "tree")
+    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
     with pytest.raises(ControlLost):
-        realtime.start()
+        realtime.start(RunInfo("tree", "robot"))
     assert realtime._folder is not None
     assert RunSpec.read(realtime._folder).core == core
     realtime.close()

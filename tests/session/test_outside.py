@@ -57,6 +57,9 @@ def command(*arguments: str, while_: Callable[[], object]) -> int:
 def test_a_run_is_seen_while_it_is_on_and_leaves_nothing(project: Path) -> None:
     with begun(project) as (session,):
         session.run_until(0.4)
+        info = folder_of().info
+        assert (info.tree, info.robot, info.scene, info.recording) == ("walk", "humanoid", "empty", "")
+        assert info.file == str(project / "trees/walk.yaml")
         seen = TreeWatch(folder_of()).latest()
         assert seen is not None
         assert {path: status.name for path, status in seen.statuses.items()} == {
