@@ -162,7 +162,8 @@ class Drive:
                 self._recorder.news(0.0, "limits", {"duration": plain(self.loop.limit), "waits": self.loop.waits})
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
-            self.engine.start(self._info(), self._options.log)
+            with self.ticks.awaiting("the start of the run and of its percept sources"):
+                self.engine.start(self._info(), self._options.log)
             if self._recorder is not None and (tables := self.engine.cycle_tables):
                 self._recorder.follow(*tables)
             self._teller.begin()

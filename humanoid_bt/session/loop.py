@@ -112,7 +112,8 @@ class Loop:
             (self._held or self._pace).keep(engine.clock.now())
             if self.successor is not None and self._held is None:
                 self.successor.look()
-        state, percepts = engine.sense()
+        with self._ticks.awaiting("the percept sources"):
+            state, percepts = engine.sense()
         self.state = state
         if first:
             self.began, self.began_at = state.time, time.monotonic()

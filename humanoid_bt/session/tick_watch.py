@@ -1,6 +1,6 @@
 """Ticks that take too long: where they are while they last, and which took longer than their period.
 
-A thread beside the run looks at the frames of a tick that lasts. A tick pays two readings of clocks for it.
+A thread beside the run looks at the frames of a tick that lasts. A tick pays three readings of clocks for it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ import sys
 import threading
 import time
 from collections import Counter
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from itertools import islice
 from types import FrameType
@@ -83,7 +84,8 @@ class TickWatch:
         self._waited = 0.0
         self._processor = _Processor()
         self._seen: list[tuple[float, Spot]] = []  # begin of the tick, where it was
-        self._said: tuple[float, str] = (0.0, "")  # begin of the tick, interruption
+        self._awaited: tuple[float, str] = (0.0, "")  # since when, and what, between ticks
+        self._said: tuple[float, str] = (0.0, "")  # begin of the tick or of what is awaited, interruption
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ticks", daemon=True)
 
@@ -99,8 +101,17 @@ class TickWatch:
         self._processor.close()
 
     def interrupted(self, reason: str) -> None:
-        """Note that somebody wants to end the run: a tick that lasts holds it up. From any thread or handler."""
+        """Note that somebody wants to end the run: what lasts holds it up. From any thread or handler."""
         self._interruption = reason
+
+    @contextmanager
+    def awaiting(self, what: str) -> Iterator[None]:
+        """Have it told what is awaited between ticks, if it lasts and somebody wants to end the run."""
+        self._awaited = time.perf_counter(), what
+        try:
+            yield
+        finally:
+            self._awaited = 0.0, ""
 
     def begin(self) -> None:
         """Begin a tick in this thread."""
@@ -138,9 +149,13 @@ class TickWatch:
 
     def _run(self) -> None:
         while not self._over.wait(_LOOK):
-            began = self._began
-            if began and time.perf_counter() - began >= _LOOK:
+            began, (since, what) = self._began, self._awaited
+            now = time.perf_counter()
+            if began and now - began >= _LOOK:
                 self._look(began)
+            elif what and now - since > _ASKED and self._interruption and self._said[0] != since:
+                self._said = since, self._interruption
+                self._tell_what_holds_it_up(what)
 
     def _look(self, began: float) -> None:
         spot = _spot(sys._current_frames().get(self._processor.thread))
@@ -152,10 +167,14 @@ class TickWatch:
         if said != self._said and lasts > (_ASKED if reason else _LONG):
             self._said = said
             if reason:
-                again = "again" if reason == "Ctrl-C" else "twice"
-                _log.warning("%s: waiting for %s; Ctrl-C %s ends the run at once", reason, spot, again)
+                self._tell_what_holds_it_up(spot)
             else:
                 _log.warning("a tick lasts for %.1f s by now: it is in %s", lasts, spot)
+
+    def _tell_what_holds_it_up(self, what: Spot | str) -> None:
+        reason = self._interruption
+        again = "again" if reason == "Ctrl-C" else "twice"
+        _log.warning("%s: waiting for %s; Ctrl-C %s ends the run at once", reason, what, again)
 
 
 class _Processor:

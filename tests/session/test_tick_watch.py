@@ -7,7 +7,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -45,15 +48,42 @@ class Hang(Skill):
     def _ask(self) -> None:
         time.sleep(1000.0)
 '''
+SOURCE = '''
+import sys
+import time
+
+from humanoid_bt import PerceptName, PerceptSource, param
+
+
+class Stays(PerceptSource):
+    """Stay at it."""
+
+    thing: PerceptName = param("thing", doc="Percept that it never publishes.")
+    at: str = param("setup", doc="In which of its methods.")
+    patience = 60.0
+
+    def setup(self):
+        self._stay("setup")
+
+    def look(self, now):
+        self._stay("look")
+
+    def _stay(self, at):
+        if self.at == at:
+            print("here", file=sys.stderr)
+            time.sleep(1000.0)
+'''
 ROOTS = {"slow": "{sequence: [{slow: {takes: $takes}}]}", "hang": "{timeout: {duration: 1 s, hang: }}"}
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace with slow skills."""
+    """A workspace with slow skills, and a slow percept source."""
     folder = tmp_path_factory.mktemp("slow")
     (folder / "skills").mkdir()
     (folder / "skills" / "slow.py").write_text(SKILLS, encoding="utf-8")
+    (folder / "perception").mkdir()
+    (folder / "perception" / "stays.py").write_text(SOURCE, encoding="utf-8")
     (folder / "trees").mkdir()
     parameters = {"slow": "parameters: {takes: 0 s}\n", "hang": ""}
     for name, root in ROOTS.items():
@@ -98,8 +128,35 @@ def test_what_a_tick_waits_for_a_processor_does_not_count(monkeypatch: pytest.Mo
     "mode", ["lockstep", pytest.param("realtime", marks=(pytest.mark.realtime, pytest.mark.trials))]
 )
 def test_a_skill_that_never_returns_is_named_and_a_second_ctrl_c_ends_it(place: Path, mode: str) -> None:
+    line = 1 + SKILLS.splitlines().index("        time.sleep(1000.0)")
+    where = f"the node 'hang/timeout/hang', at skills/slow.py:{line}:9"
+    with begun(place, "hang", "--mode", mode) as (process, said):
+        told = said.readline()
+        assert told.startswith("a tick lasts for ") and told.endswith(f" s by now: it is in {where}\n")
+        process.send_signal(signal.SIGINT)
+        assert said.readline() == f"Ctrl-C: waiting for {where}; Ctrl-C again ends the run at once\n"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20.0) == 130
+
+
+@pytest.mark.parametrize(
+    ("at", "what"),
+    [("setup", "the start of the run and of its percept sources"), ("look", "the percept sources")],
+)
+def test_a_percept_source_that_holds_up_the_end_is_told(place: Path, at: str, what: str) -> None:
+    with begun(place, "slow", "--perception", f"stays: {{at: {at}}}") as (process, said):
+        assert said.readline() == "here\n"
+        process.send_signal(signal.SIGINT)
+        assert said.readline() == f"Ctrl-C: waiting for {what}; Ctrl-C again ends the run at once\n"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20.0) == 130
+
+
+@contextmanager
+def begun(place: Path, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], IO[str]]]:
+    """Give a run, and what it says on standard error."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "humanoid_bt", "run", "hang", "--no-record", "--no-view", "--mode", mode],
+        [sys.executable, "-m", "humanoid_bt", "run", *arguments, "--no-record", "--no-view"],
         cwd=place,
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
         stdout=subprocess.DEVNULL,
@@ -107,15 +164,8 @@ def test_a_skill_that_never_returns_is_named_and_a_second_ctrl_c_ends_it(place: 
         text=True,
     )
     assert process.stderr is not None
-    line = 1 + SKILLS.splitlines().index("        time.sleep(1000.0)")
-    where = f"the node 'hang/timeout/hang', at skills/slow.py:{line}:9"
     try:
-        told = process.stderr.readline()
-        assert told.startswith("a tick lasts for ") and told.endswith(f" s by now: it is in {where}\n")
-        process.send_signal(signal.SIGINT)
-        assert process.stderr.readline() == f"Ctrl-C: waiting for {where}; Ctrl-C again ends the run at once\n"
-        process.send_signal(signal.SIGINT)
-        assert process.wait(20.0) == 130
+        yield process, process.stderr
     finally:
         process.kill()
         process.stderr.close()
