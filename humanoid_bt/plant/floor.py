@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.published import PLAIN
 
 FLOOR = "hbt_floor"
 """The floor's geom, its material and its texture: robots have names of their own."""
@@ -48,6 +49,7 @@ class Floor:
         # torsional friction keeps a foot loaded at a corner from spinning there; soles with a priority say their own
         touch = {"friction": [1, 0.03, 0.0001], "condim": 4, "contype": 1, "conaffinity": 1}
         spec.worldbody.add_geom(
+            PLAIN,
             name=FLOOR,
             type=mujoco.mjtGeom.mjGEOM_PLANE,
             pos=origin - _turned(origin, tilt),
@@ -60,6 +62,7 @@ class Floor:
             turned = np.zeros(4)
             mujoco.mju_mulQuat(turned, tilt, np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
             spec.worldbody.add_geom(
+                PLAIN,
                 name=f"hbt_plate_{number}",
                 type=mujoco.mjtGeom.mjGEOM_BOX,
                 pos=origin + _turned(np.array([x, y, self.plates / 2]), tilt),

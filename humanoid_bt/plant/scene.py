@@ -14,6 +14,7 @@ from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.floor import FLOOR, Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.plant.shapes import full_size, parts
+from humanoid_bt.robot.published import PLAIN
 
 __all__ = ["Box", "Scene", "SceneConfig", "load_scene", "random_stream"]
 
@@ -127,6 +128,7 @@ class Scene:
             body = spec.worldbody.add_body(name=f"object_{name}", pos=position, quat=turned)
             for part in parts(thing):
                 body.add_geom(
+                    PLAIN,
                     name=f"{part.name} of {name}" if part.name else f"object_{name}",
                     type=part.kind,
                     size=part.size,
@@ -188,6 +190,7 @@ def _add_stand(spec: mujoco.MjSpec, name: str, thing: ObjectConfig, position: Ar
     for low, high, radius, touches in parts:
         if high > low:
             body.add_geom(
+                PLAIN,
                 type=mujoco.mjtGeom.mjGEOM_CYLINDER,
                 pos=[0, 0, (low + high) / 2],
                 size=[radius, (high - low) / 2, 0],
@@ -200,6 +203,7 @@ def _add_stand(spec: mujoco.MjSpec, name: str, thing: ObjectConfig, position: Ar
 def _add_surroundings(spec: mujoco.MjSpec) -> None:
     builtin, texture = mujoco.mjtBuiltin, mujoco.mjtTexture
     spec.add_texture(
+        PLAIN,
         name="hbt_sky",
         type=texture.mjTEXTURE_SKYBOX,
         builtin=builtin.mjBUILTIN_GRADIENT,
@@ -209,6 +213,7 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
         height=256,
     )
     spec.add_texture(
+        PLAIN,
         name=FLOOR,
         type=texture.mjTEXTURE_2D,
         builtin=builtin.mjBUILTIN_CHECKER,
@@ -217,9 +222,10 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
         width=256,
         height=256,
     )
-    material = spec.add_material(name=FLOOR, texrepeat=[2, 2], texuniform=True)  # squares of half a meter
+    material = spec.add_material(PLAIN, name=FLOOR, texrepeat=[2, 2], texuniform=True)  # squares of half a meter
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = FLOOR
     spec.worldbody.add_light(
+        PLAIN,
         name=LAMP,
         type=mujoco.mjtLightType.mjLIGHT_SPOT,
         pos=[2, -3, 8],

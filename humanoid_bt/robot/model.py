@@ -18,7 +18,7 @@ from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
 from humanoid_bt.robot.overruled import overruled
 from humanoid_bt.robot.palm import palm_axes
 from humanoid_bt.robot.policy.policy import Policy, load_policy
-from humanoid_bt.robot.published import model_problems, read_model
+from humanoid_bt.robot.published import PLAIN, model_problems, read_model
 from humanoid_bt.robot.soft_limits import soft_limits
 
 BASE_DOFS = 6
@@ -337,6 +337,7 @@ def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
             joint.damping = np.zeros(3)
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         spec.add_actuator(
+            PLAIN,
             name=joint.name,
             target=joint.name,
             trntype=mujoco.mjtTrn.mjTRN_JOINT,
@@ -391,4 +392,6 @@ def _add_gaze(spec: mujoco.MjSpec, config: RobotConfig) -> None:
 
 
 def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig, turn: Array) -> None:
-    spec.body(site.body).add_site(name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4)
+    spec.body(site.body).add_site(
+        PLAIN, name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4
+    )

@@ -14,6 +14,9 @@ from humanoid_bt.core.texts import listed
 OWN = "hbt_"
 """What the names of all begin with that is added to a model."""
 
+PLAIN = mujoco.MjSpec().default
+"""MuJoCo's own defaults: what is added to a model is as it is said, whatever classes of defaults the model has."""
+
 
 def read_model(path: Path) -> mujoco.MjSpec:
     """Return a published model, MJCF or URDF, as it can be edited: the robot alone, on a free base.

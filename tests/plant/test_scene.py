@@ -48,6 +48,17 @@ def test_every_scene_of_the_project_can_be_simulated(path: Path) -> None:
     assert data.ncon == 0
 
 
+def test_defaults_of_a_robots_model_are_none_of_the_scene(tmp_path: Path) -> None:
+    path = write(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 1], solid: true, stand: true}}}}\n")
+    theirs = '<mujoco><default><geom margin="0.1" solref="1 1" priority="3"/></default></mujoco>'
+    spec = mujoco.MjSpec.from_string(theirs)
+    Scene(load_scene(path), 0, Floor(plates=0.01)).add_to(spec)
+    model = spec.compile()
+    assert not model.geom_margin.any()
+    assert not model.geom_priority.any()
+    np.testing.assert_allclose(model.geom_solref, [[0.02, 1]] * model.ngeom)
+
+
 @pytest.mark.parametrize("name", ["floor", "sky", "lamp", "plate_0"])
 def test_a_robot_has_names_of_its_own(tmp_path: Path, name: str) -> None:
     spec = mujoco.MjSpec()

@@ -142,6 +142,17 @@ def test_a_published_models_own_drives_keyframes_and_sensors_do_not_disturb(tmp_
     assert robot.model.actuator("left_knee").gainprm[0] == 1
 
 
+def test_defaults_of_a_published_model_are_none_of_what_is_added(tmp_path: Path, edit: Edit) -> None:
+    theirs = '<motor gear="50"/><general dyntype="filter" dynprm="0.5"/><site euler="1 1 1"/><default class="humanoid">'
+    edit("humanoid.xml", '<default class="humanoid">', theirs)
+    edit("humanoid.xml", '<site group="4" size="0.01"/>', '<site group="4" size="0.01" euler="1 1 1"/>')
+    model = load(tmp_path).model
+    assert (model.actuator_gear[:, 0] == 1).all()
+    assert (model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE).all()
+    np.testing.assert_allclose(model.site(sole_site("left")).quat, [1, 0, 0, 0])
+    np.testing.assert_allclose(model.site(palm_site("left")).quat, [1, 0, 0, 0])
+
+
 def test_the_torque_limit_is_that_of_the_drive_whatever_the_models_joint_says(tmp_path: Path, edit: Edit) -> None:
     edit("humanoid.xml", '<joint name="left_elbow"', '<joint name="left_elbow" actuatorfrcrange="-3 3"')
     robot = load(tmp_path)

@@ -11,6 +11,7 @@ import numpy as np
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.model import RobotModel, carriers
+from humanoid_bt.robot.published import PLAIN
 
 _CAPSULE, _END = 1, 2  # kinds of shapes, as bits of MuJoCo's: capsules meet capsules and ends, ends meet no ends
 _OURS = (["hbt", "capsule"], ["hbt", "end"])
@@ -94,7 +95,7 @@ class OwnLinks:
 
 def _add(body: mujoco.MjsBody, name: str, points: Array, radius: float, kind: int = _CAPSULE) -> None:
     """Add a shape that weighs nothing: a capsule between two points, or a ball at one."""
-    geom = body.add_geom(name=name, size=[radius, 0, 0], mass=0, contype=kind, condim=1)
+    geom = body.add_geom(PLAIN, name=name, size=[radius, 0, 0], mass=0, contype=kind, condim=1)
     geom.conaffinity = _CAPSULE | _END if kind == _CAPSULE else 0
     if (points == points[0]).all():
         geom.type, geom.pos = mujoco.mjtGeom.mjGEOM_SPHERE, points[0]
