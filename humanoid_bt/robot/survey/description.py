@@ -38,6 +38,7 @@ _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot ha
 _ZERO = 5e-4  # m
 _GAP = 0.01  # m between feet side by side
 _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can stand on it
+_LEAST_TURN = 0.05  # rad that a step turns, also on hips that turn one way only
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 
 
@@ -303,7 +304,7 @@ class _Writer:
         turning = [j for leg in self._limbs.legs.values() for j in leg.joints if surveyor.turns_about(j, 2)]
         ranges = {joint: model.jnt_range[joint] - self._home[joint] for joint in turning if model.jnt_limited[joint]}
         limits = [float(np.abs(both).min()) for both in ranges.values()]
-        return min(limits, default=math.inf)
+        return max(min(limits, default=math.inf), _LEAST_TURN)
 
     def _separation(self, stands: float) -> float:
         """Return how near feet may come that stand so far from each other [m], and do not touch then."""

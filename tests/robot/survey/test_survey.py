@@ -131,6 +131,8 @@ def test_steps_turn_less_on_hips_that_turn_little(spec: mujoco.MjSpec, adopt: Ad
     assert adopt(spec)[1].gait.step_turn == GaitConfig.step_turn
     spec.joint("right_hip_yaw").range = [-0.4, 0.6]
     assert adopt(spec)[1].gait.step_turn == pytest.approx(0.4)
+    spec.joint("right_hip_yaw").range = [-0.9, 0.0]
+    assert adopt(spec)[1].gait.step_turn == pytest.approx(0.05)
 
 
 def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
