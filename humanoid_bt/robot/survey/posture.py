@@ -142,10 +142,12 @@ def _hanging(surveyor: Surveyor, side: Side, arm: Limb, palm: Array, spread: flo
     points = np.array([*(data.xpos[body] for body in bodies), _point(data, arm.body, palm)])
     parts = np.linalg.norm(np.diff(points, axis=0), axis=1)
     length = float(parts.sum())
-    elbow = bodies[1 + int(np.argmin(np.abs(np.cumsum(parts[:-1]) - length / 2)))]
     outward = np.array([1.0, 1.0 if side == "left" else -1.0, 1.0])
     turn = data.xmat[surveyor.base].reshape(3, 3)
-    ends = ((arm.body, palm, _HAND, 1.0), (elbow, np.zeros(3), _ELBOW, _ELBOW_COUNTS))
+    ends = [(arm.body, palm, _HAND, 1.0)]
+    if len(bodies) > 1:  # an arm of one link has no elbow
+        elbow = bodies[1 + int(np.argmin(np.abs(np.cumsum(parts[:-1]) - length / 2)))]
+        ends.append((elbow, np.zeros(3), _ELBOW, _ELBOW_COUNTS))
     goals = [points[0] + turn @ (_spread(goal, spread) * outward * length) for _, _, goal, _ in ends]
     dofs, places = model.jnt_dofadr[list(arm.joints)], model.jnt_qposadr[list(arm.joints)]
     low, high = np.array([_limits(model, joint) for joint in arm.joints]).T

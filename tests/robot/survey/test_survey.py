@@ -239,6 +239,19 @@ def test_arms_may_begin_with_collar_bones_in_the_middle(spec: mujoco.MjSpec, ado
     assert (found.torso, set(found.hands)) == ("torso", {"left", "right"})
 
 
+def test_arms_may_have_all_their_joints_in_one_link(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        arm = spec.body(f"{side}_shoulder_pitch_link")
+        spec.delete(*arm.bodies)
+        for number, axis in enumerate(([1, 0, 0], [0, 0, 1])):
+            arm.add_joint(name=f"{side}_{number}", axis=axis, range=[-1.5, 1.5])
+        ends = [0, 0, 0, 0, 0, -0.4]
+        arm.add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.03, 0, 0], fromto=ends, contype=1, conaffinity=1)
+    _, found = adopt(spec)
+    assert {hand.body for hand in found.hands.values()} == {f"{side}_shoulder_pitch_link" for side in SIDES}
+    assert all(np.isfinite(angle) for angle in found.home.values())
+
+
 def test_a_robot_with_one_arm_has_one_hand(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     spec.delete(spec.body("right_shoulder_pitch_link"))
     description, found = adopt(spec)
