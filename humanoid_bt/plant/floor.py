@@ -15,6 +15,9 @@ from humanoid_bt.robot.published import PLAIN
 FLOOR = "hbt_floor"
 """The floor's geom, its material and its texture: robots have names of their own."""
 
+ANY = (1 << 31) - 1
+"""Contype and conaffinity of what all shapes touch that touch anything: models use other bits than the first, too."""
+
 _CELL = 0.5  # m: side of the squares in which there is a plate at most
 _REACH = 4.0  # m from the start to the sides of the field of plates
 _FREE = 0.5  # m around the start: the robot begins with flat feet
@@ -47,7 +50,7 @@ class Floor:
         """
         origin, tilt = np.array([start[0], start[1], 0.0]), self._tilt(self.uphill)
         # torsional friction keeps a foot loaded at a corner from spinning there; soles with a priority say their own
-        touch = {"friction": [1, 0.03, 0.0001], "condim": 4, "contype": 1, "conaffinity": 1}
+        touch = {"friction": [1, 0.03, 0.0001], "condim": 4, "contype": ANY, "conaffinity": ANY}
         spec.worldbody.add_geom(
             PLAIN,
             name=FLOOR,

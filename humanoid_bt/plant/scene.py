@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
-from humanoid_bt.plant.floor import FLOOR, Floor
+from humanoid_bt.plant.floor import ANY, FLOOR, Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.plant.shapes import full_size, parts
 from humanoid_bt.robot.published import PLAIN
@@ -136,8 +136,8 @@ class Scene:
                     fromto=part.ends or [math.nan] * 6,
                     rgba=[*part.color, 1.0],
                     mass=0.0,  # it is static, and the inertia of a very small one would be none
-                    contype=int(thing.solid),
-                    conaffinity=int(thing.solid),
+                    contype=ANY if thing.solid else 0,
+                    conaffinity=ANY if thing.solid else 0,
                 )
             if thing.stand:
                 _add_stand(spec, name, thing, position)
@@ -185,7 +185,7 @@ def _add_stand(spec: mujoco.MjSpec, name: str, thing: ObjectConfig, position: Ar
     top = float(position[2]) - _height(thing) / 2
     body = spec.worldbody.add_body(name=f"stand_{name}", pos=[position[0], position[1], 0])
     solid_top = top if thing.solid else top - _HAND_ROOM
-    parts = [(0.0, _BASE_HEIGHT, _BASE_RADIUS, 1), (_BASE_HEIGHT, solid_top, _POLE_RADIUS, 1)]
+    parts = [(0.0, _BASE_HEIGHT, _BASE_RADIUS, ANY), (_BASE_HEIGHT, solid_top, _POLE_RADIUS, ANY)]
     parts.append((max(solid_top, _BASE_HEIGHT), top, _POLE_RADIUS, 0))
     for low, high, radius, touches in parts:
         if high > low:

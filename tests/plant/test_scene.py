@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.plant.floor import FLOOR, Floor
+from humanoid_bt.plant.floor import ANY, FLOOR, Floor
 from humanoid_bt.plant.scene import Scene, load_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "sim" / "scenes"
@@ -44,7 +44,7 @@ def test_every_scene_of_the_project_can_be_simulated(path: Path) -> None:
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data)
-    assert model.geom(FLOOR).contype[0] == 1
+    assert model.geom(FLOOR).contype[0] == ANY
     assert data.ncon == 0
 
 
@@ -148,16 +148,24 @@ def test_the_start_pose_is_the_files(tmp_path: Path) -> None:
     assert scene(tmp_path, "").start_pose == (0, 0, 0)
 
 
-def contacts_of_a_probe(target: Scene, position: list[float]) -> int:
+def contacts_of_a_probe(target: Scene, position: list[float], contype: int = 1, conaffinity: int = 1) -> int:
     spec = mujoco.MjSpec()
     target.add_to(spec)
     probe = spec.worldbody.add_body(name="probe", pos=position)
     probe.add_freejoint()
-    probe.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0], contype=1, conaffinity=1)
+    probe.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0], contype=contype, conaffinity=conaffinity)
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return int(data.ncon)
+
+
+@pytest.mark.parametrize(("contype", "conaffinity"), [(1, 0), (0, 1), (2, 2), (4, 0), (0, 1 << 30)])
+def test_floor_and_solid_things_touch_what_touches_anything(tmp_path: Path, contype: int, conaffinity: int) -> None:
+    ball = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 0.8], solid: true, stand: true}}}}\n")
+    for place in ([0, 0, 0.01], [1, 0, 0.8], [1, 0, 0.4]):
+        assert contacts_of_a_probe(ball, place, contype, conaffinity)
+        assert not contacts_of_a_probe(ball, place, 0, 0)
 
 
 @pytest.mark.parametrize(("solid", "expected"), [("true", True), ("false", False)])
@@ -201,7 +209,7 @@ def test_a_person_stands_on_the_floor_as_tall_as_asked_for_and_faces_the_robot(t
     assert eye[0] > hair[0]  # its left is the robot's right
 
 
-@pytest.mark.parametrize(("more", "touches"), [("", 0), (", solid: true", 1)])
+@pytest.mark.parametrize(("more", "touches"), [("", 0), (", solid: true", ANY)])
 def test_only_a_solid_person_is_bumped_into(tmp_path: Path, more: str, touches: int) -> None:
     model, _ = person(tmp_path, more)
     geoms = np.flatnonzero(model.geom_bodyid == model.body("object_one").id)
