@@ -392,6 +392,4 @@ def _add_gaze(spec: mujoco.MjSpec, config: RobotConfig) -> None:
 
 
 def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig, turn: Array) -> None:
-    spec.body(site.body).add_site(
-        PLAIN, name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4
-    )
+    spec.body(site.body).add_site(PLAIN, name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4)

@@ -24,7 +24,7 @@ def read_model(path: Path) -> mujoco.MjSpec:
     The robot is the body of the world with the most hinges. What else the world has is left out: floors, things,
     lights, cameras, and what names them. Geoms that a pair lets touch a floor can touch any, then. A model without a
     free joint, as those that a simulator adds one to, gets it at its root. The base is upright above the origin,
-    however the file has it in the world.
+    however the file has it in the world. There is gravity, and nothing of physics is switched off.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.
@@ -45,6 +45,7 @@ def read_model(path: Path) -> mujoco.MjSpec:
     _leave_out(spec, beside)
     _free_base(spec)
     _put_upright(spec)
+    _switch_on(spec)
     return spec
 
 
@@ -129,6 +130,17 @@ def _put_upright(spec: mujoco.MjSpec) -> None:
                 base.set_frame(spec.worldbody.add_frame())
 
 
+def _switch_on(spec: mujoco.MjSpec) -> None:
+    """Take back what a model says of the world, as for a viewer in which nothing falls, and solvers that stop early."""
+    option, usual = spec.option, mujoco.MjSpec().option
+    for key in ("gravity", "wind", "density", "viscosity", "disableactuator"):
+        setattr(option, key, getattr(usual, key))
+    option.disableflags &= ~_PHYSICS
+    option.enableflags = 0
+    option.iterations = max(option.iterations, usual.iterations)
+    option.ls_iterations = max(option.ls_iterations, usual.ls_iterations)
+
+
 def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
     """Yield what a model has that no robot here can have.
 
@@ -180,6 +192,10 @@ _FREE_JOINTS = (
     "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
     " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each (in a URDF,"
     " take their <mimic> out)"
+)
+_OFF = mujoco.mjtDisableBit
+_PHYSICS = (_OFF.mjDSBL_CONSTRAINT | _OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_LIMIT | _OFF.mjDSBL_CONTACT) | (
+    _OFF.mjDSBL_SPRING | _OFF.mjDSBL_DAMPER | _OFF.mjDSBL_GRAVITY | _OFF.mjDSBL_ACTUATION | _OFF.mjDSBL_SENSOR
 )
 _BY_QUAT = mujoco.mjtOrientation.mjORIENTATION_QUAT
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)

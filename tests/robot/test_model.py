@@ -153,6 +153,17 @@ def test_defaults_of_a_published_model_are_none_of_what_is_added(tmp_path: Path,
     np.testing.assert_allclose(model.site(palm_site("left")).quat, [1, 0, 0, 0])
 
 
+def test_what_a_model_switches_off_is_on(tmp_path: Path, edit: Edit) -> None:
+    flags = " ".join(f'{what}="disable"' for what in ("gravity", "contact", "actuation", "limit", "sensor"))
+    world = f'gravity="0 0 0" density="1000" actuatorgroupdisable="0" iterations="1" o_margin="0.1"><flag {flags}'
+    usual = load(tmp_path).model.opt
+    edit("humanoid.xml", "<option ", f'<option {world} override="enable"/></option><option ')
+    option = load(tmp_path).model.opt
+    for key in ("disableflags", "enableflags", "disableactuator", "density", "iterations"):
+        assert getattr(option, key) == getattr(usual, key)
+    np.testing.assert_array_equal(option.gravity, [0, 0, -9.81])
+
+
 def test_the_torque_limit_is_that_of_the_drive_whatever_the_models_joint_says(tmp_path: Path, edit: Edit) -> None:
     edit("humanoid.xml", '<joint name="left_elbow"', '<joint name="left_elbow" actuatorfrcrange="-3 3"')
     robot = load(tmp_path)
