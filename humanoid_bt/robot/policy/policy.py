@@ -342,7 +342,8 @@ def policy_files(path: Path) -> list[Path]:
         UserError: the description has mistakes.
     """
     model = path.parent / load_policy_config(path).model
-    return [path, *sorted(model.parent.glob(f"{glob.escape(model.stem)}*"))]  # exporters name them after the model
+    beside = model.parent.glob(f"{glob.escape(model.stem)}*")  # exporters name them after the model
+    return [path, *sorted(file for file in beside if file.is_file())]
 
 
 @functools.lru_cache(maxsize=8)

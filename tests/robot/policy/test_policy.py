@@ -13,7 +13,7 @@ from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
-from humanoid_bt.robot.policy.policy import load_policy
+from humanoid_bt.robot.policy.policy import load_policy, policy_files
 from tests.onnx_models import INT64, write_affine
 from tests.policy_files import DESCRIPTION, JOINTS, METADATA, write_standing_robot, write_walker
 
@@ -184,6 +184,13 @@ def test_without_onnxruntime_it_says_what_to_install(tmp_path: Path, monkeypatch
     [message] = refused(write_walker(tmp_path))
     assert "needs onnxruntime, which is not installed" in message
     assert "pip install 'humanoid-bt[policy]'" in message
+
+
+def test_a_link_to_nothing_beside_a_model_is_none_of_its_files(tmp_path: Path) -> None:
+    path = write_walker(tmp_path)
+    (tmp_path / "walk.onnx.data").symlink_to(tmp_path / "not_fetched")
+    assert set(policy_files(path)) == {path, tmp_path / "walk.onnx"}
+    assert load_policy(path).joints == JOINTS
 
 
 def test_a_free_batch_is_one(tmp_path: Path) -> None:
