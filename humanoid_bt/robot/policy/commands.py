@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.units import readable
@@ -61,9 +63,14 @@ def command_problems(config: PolicyConfig, ranges: Array) -> Iterator[Problem]:
         ranges: least and largest vx, vy [m/s] and wz [rad/s], shape (2, 3).
     """
     command = config.command
-    if not ranges[:, :2].any():
-        hint = "vx: [least, largest]"
+    fastest, hint = float(np.abs(ranges[:, :2]).max()), "vx: [least, largest]"
+    if not fastest:
         yield Problem("the ranges of vx and vy are 0: it could not walk", config.place("command"), hint, code="policy")
+    elif fastest < command.stand_below:
+        message = (
+            f"all of the ranges of vx and vy is slower than 'stand_below', {command.stand_below:g}: it could not walk"
+        )
+        yield Problem(message, config.place("command"), hint, code="policy")
     least, which = min((command.slowest, "slowest"), (command.slowest_turn, "slowest_turn"))
     if command.stand_below >= least:
         message = f"a command as slow as '{which}', {least:g}, would be one to stand"

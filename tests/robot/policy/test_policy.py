@@ -127,6 +127,7 @@ def test_terms_that_have_a_history_are_not_asked_for_one(tmp_path: Path) -> None
         ("format: 1\n", "format: 1\nphase: {period: 1 ms}\n", 2, "a period of 0.001 s is less than 2 answers at 50 Hz"),
         ("command: {", "command: {stand_below: 5, ", 11, "as slow as 'slowest', 0.12, would be one to stand"),
         ("vx: [-1, 1], vy: [-0.5, 0.5]", "vx: [0, 0], vy: [0, 0]", 11, "the ranges of vx and vy are 0"),
+        ("vx: [-1, 1], vy: [-0.5, 0.5]", "vx: [0, 0.008], vy: [0, 0]", 11, "slower than 'stand_below', 0.01"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, told: str) -> None:
