@@ -32,6 +32,9 @@ def read_model(path: Path) -> mujoco.MjSpec:
     Raises:
         UserError: it is no valid MJCF or URDF, or its meshes are not there, or of another kind than MuJoCo reads.
     """
+    if not _is_utf8(path):
+        message, hint = "MuJoCo reads no model whose path is not in UTF-8", "rename the file or its folder"
+        raise UserError(message, Place(relative(path)), hint, code="model")
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
@@ -47,6 +50,14 @@ def read_model(path: Path) -> mujoco.MjSpec:
     _put_upright(spec)
     _switch_on(spec)
     return spec
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:

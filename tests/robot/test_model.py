@@ -298,6 +298,13 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
 
 
+def test_a_path_that_mujoco_cannot_open_is_told(tmp_path: Path, edit: Edit) -> None:
+    latin = tmp_path / "R\udcf6b\udcf6ter.xml"  # as Python has bytes of a name that are no UTF-8
+    (tmp_path / "humanoid.xml").rename(latin)
+    with pytest.raises(UserError, match="no model whose path is not in UTF-8"):
+        read_model(latin)
+
+
 def test_a_rope_that_holds_the_robot_up_is_refused(tmp_path: Path, edit: Edit) -> None:
     edit("humanoid.xml", "<worldbody>", '<worldbody><site name="ceiling" pos="0 0 2"/>')
     rope = '<spatial name="rope" stiffness="5000"><site site="ceiling"/><site site="imu"/></spatial>'
