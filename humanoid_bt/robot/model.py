@@ -176,9 +176,6 @@ class RobotModel:
         config = self.config
         spec = read_model(config.model_file)
         _check_names(spec, config)
-        # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
-        for element in [*spec.keys, *spec.sensors]:
-            spec.delete(element)
         _add_drives(spec, config)
         for body, others in config.collision.overlap.items():
             for other in others:

@@ -22,9 +22,10 @@ def read_model(path: Path) -> mujoco.MjSpec:
     """Return a published model, MJCF or URDF, as it can be edited: the robot alone, on a free base.
 
     The robot is the body of the world with the most hinges. What else the world has is left out: floors, things,
-    lights, cameras, and what names them. Geoms that a pair lets touch a floor can touch any, then. A model without a
-    free joint, as those that a simulator adds one to, gets it at its root. The base is upright above the origin,
-    however the file has it in the world. There is gravity, and nothing of physics is switched off.
+    lights, cameras, and what names them; keyframes and sensors, too. Geoms that a pair lets touch a floor can touch
+    any, then. A model without a free joint, as those that a simulator adds one to, gets it at its root. The base is
+    upright above the origin, however the file has it in the world. There is gravity, and nothing of physics is switched
+    off.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.
@@ -110,9 +111,12 @@ def _touch_any_floor(spec: mujoco.MjSpec, beside: list[mujoco.MjsBody]) -> None:
 
 
 def _leave_out(spec: mujoco.MjSpec, beside: list[mujoco.MjsBody]) -> None:
-    """Take out of the world what is not of the robot; what names such a body goes with it."""
+    """Take out of the world what is not of the robot; what names such a body goes with it.
+
+    Keyframes no longer fit once a scene is there; sensors may read what is left out, or actuators that are replaced.
+    """
     world = spec.worldbody
-    for element in [*world.geoms, *world.lights, *world.cameras]:
+    for element in [*spec.keys, *spec.sensors, *world.geoms, *world.lights, *world.cameras]:
         spec.delete(element)
     names = {part.name for body in beside for part in (body, *body.find_all(mujoco.mjtObj.mjOBJ_BODY))}
     for look in [*spec.lights, *spec.cameras]:

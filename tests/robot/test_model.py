@@ -385,6 +385,7 @@ TABLE = '<body name="table"><geom name="top" size="0.1"/><site name="edge"/></bo
         ('<body><joint axis="0 0 1"/><geom size="0.1"/></body>', ""),
         ('<body><joint type="slide"/><geom size="0.1"/></body>', ""),
         (f'{TABLE}<light mode="targetbody" target="table"/>', ""),
+        ('<geom name="top" size="0.1"/>', '<sensor><distance geom1="top" geom2="left_foot"/></sensor>'),
         (TABLE, '<contact><exclude body1="table" body2="torso"/><pair geom1="top" geom2="left_foot"/></contact>'),
         (TABLE, '<equality><weld body1="table" body2="pelvis"/></equality>'),
         (TABLE, '<sensor><framepos objtype="body" objname="table" reftype="body" refname="torso"/></sensor>'),
@@ -396,6 +397,7 @@ def test_what_stands_in_the_world_beside_a_robot_is_left_out(
 ) -> None:
     edit("humanoid.xml", place, f"{world}{place}" if "/" in place else f"{place}{world}")
     edit("humanoid.xml", "</mujoco>", f"{rest}</mujoco>")
+    assert read_model(tmp_path / "humanoid.xml").compile().nsensor == 0
     model = load(tmp_path).model
     bodies = [[one.body(body).name for body in range(one.nbody)] for one in (model, robot.model)]
     assert bodies[0] == bodies[1]
