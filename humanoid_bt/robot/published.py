@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
-from humanoid_bt.core.texts import listed
+from humanoid_bt.core.texts import few, listed
 
 OWN = "hbt_"
 """What the names of all begin with that is added to a model."""
@@ -173,7 +173,7 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
     if sliding:
         message = f"only hinges can be driven; these joints are none: {', '.join(joint.name for joint in sliding)}"
         of_base = any(joint.parent in spec.worldbody.bodies for joint in sliding)
-        yield Problem(message, where, _FREE_BASE if of_base else "", code="model")
+        yield Problem(message, _line(sliding[0].info, where), _FREE_BASE if of_base else "", code="model")
     if equalities := list(spec.equalities):
         listing = ", ".join(
             f"{(one.name or one.name1)!r} ({one.type.name.removeprefix('mjEQ_').lower()})" for one in equalities
@@ -190,8 +190,10 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
         if any(getattr(wrap.target, "parent", None) == spec.worldbody for wrap in tendon.path):
             message = f"the tendon {tendon.name!r} ties the robot to the world, and it must stand by itself"
             yield Problem(message, _line(tendon.info, where), "take it out of the model", code="model")
-    if any(body.gravcomp for body in spec.bodies):
-        yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
+    if floating := [body for body in spec.bodies if body.gravcomp]:
+        which = listed(few([repr(body.name) for body in floating], _NAMED))
+        message = f"gravcomp carries {which}, and the robot must carry its own weight"
+        yield Problem(message, _line(floating[0].info, where), "take it out of the model", code="model")
 
 
 def _line(info: str, where: Place) -> Place:
@@ -200,6 +202,7 @@ def _line(info: str, where: Place) -> Place:
     return Place(where.file, int(line[1]), 1) if line else where
 
 
+_NAMED = 4  # bodies, at most
 _PACKAGE = "package://"
 _OTHER_MESHES = (".dae", ".wrl", ".fbx", ".ply", ".step", ".3ds")
 _FREE_BASE = "a base that slides and turns by joints of its own: put one <freejoint/> in the place of all of them"

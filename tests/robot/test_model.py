@@ -282,8 +282,6 @@ MISSING_MESH = (
         ("</mujoco>", "", "not a valid MJCF model"),
         ("<worldbody>", '<worldbody><geom typ="box"/>', "unrecognized attribute: 'typ'"),
         ("<worldbody>", f"{MISSING_MESH}<worldbody>", "gone.stl"),
-        ('<body name="head"', '<body name="head" gravcomp="1"', "gravcomp"),
-        ('<joint name="left_knee"', '<joint name="left_knee" type="slide"', "these joints are none: left_knee"),
     ],
 )
 def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
@@ -296,6 +294,26 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert message in problem.message
     assert "\n" not in problem.message
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('<body name="head"', '<body name="head" gravcomp="1"', "gravcomp carries 'head', and the robot must carry"),
+        ('<joint name="left_knee"', '<joint name="left_knee" type="slide"', "these joints are none: left_knee"),
+        ('<joint name="left_knee"', '<joint name="left_knee" type="ball"', "these joints are none: left_knee"),
+    ],
+)
+def test_what_no_robot_here_can_have_is_answered_with_its_line(
+    *, tmp_path: Path, edit: Edit, old: str, new: str, message: str
+) -> None:
+    edit("humanoid.xml", old, new)
+    place = place_of(tmp_path, "humanoid.xml", new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert message in problem.message
+    assert str(problem.place) == f"{place.rsplit(':', 1)[0]}:1"
 
 
 def test_a_path_that_mujoco_cannot_open_is_told(tmp_path: Path, edit: Edit) -> None:
