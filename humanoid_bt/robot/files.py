@@ -18,7 +18,7 @@ def files_of(config: RobotConfig) -> set[Path]:
         UserError: there is no model, or the description of its learned walker has mistakes.
     """
     folder, body = config.path.parent, config.body
-    files = {config.path, *_included(config.model_file)}
+    files = {config.path, *model_files(config.model_file)}
     if body.walk == "own" and body.own is not None:
         files.add(folder / body.own)
     if body.walk == "policy" and body.policy is not None and is_file(folder / body.policy):
@@ -26,17 +26,19 @@ def files_of(config: RobotConfig) -> set[Path]:
     return files
 
 
-def _included(model: Path) -> Iterator[Path]:
-    """Yield an MJCF file and those that it includes, whose names are relative to it, also in one another."""
-    found, left = set[Path](), [model]
+def model_files(model: Path) -> Iterator[Path]:
+    """Yield an MJCF file, those that it includes, whose names are relative to it, also in one another, and models."""
+    found, left = set[Path](), [(model, model.parent)]
     while left:
-        file = left.pop()
+        file, folder = left.pop()
         if file in found or not is_file(file):
             continue
         found.add(file)
         yield file
         try:
-            includes = ElementTree.parse(file).iter("include")
-            left += [model.parent / name for one in includes if (name := one.get("file"))]
+            root = ElementTree.parse(file)
         except (ElementTree.ParseError, ValueError, LookupError, OSError):
             continue  # loading it tells what is wrong
+        left += [(folder / name, folder) for one in root.iter("include") if (name := one.get("file"))]
+        models = [folder / name for one in root.iter("model") if (name := one.get("file"))]
+        left += [(attached, attached.parent) for attached in models]

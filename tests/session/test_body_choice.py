@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,18 @@ def test_a_robot_is_loaded_again_once_a_file_of_it_changes(robot: Path) -> None:
         after = load_robot(robot)
         assert after is not before, name
         before = after
+
+
+def test_a_robot_is_loaded_again_once_a_file_that_its_model_includes_changes(tmp_path: Path) -> None:
+    builtin = Workspace(builtin_root()).find_robot("humanoid")
+    shutil.copy(builtin, tmp_path / "robot.yaml")
+    shutil.copy(builtin.with_name("humanoid.xml"), tmp_path / "parts.xml")
+    (tmp_path / "humanoid.xml").write_text('<mujoco><include file="parts.xml"/></mujoco>')
+    before = load_robot(tmp_path / "robot.yaml")
+    assert load_robot(tmp_path / "robot.yaml") is before
+    parts = (tmp_path / "parts.xml").read_text()
+    (tmp_path / "parts.xml").write_text(parts.replace('name="pelvis" class="solid"', 'class="solid" name="pelvis" ', 1))
+    assert load_robot(tmp_path / "robot.yaml") is not before
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.config import RobotConfig, Walk, load_robot_config
+from humanoid_bt.robot.files import model_files
 from humanoid_bt.robot.model import RobotModel, learned_walker, sole_site
 from humanoid_bt.robot.policy.policy import Policy
 
@@ -30,7 +31,7 @@ def load_robot(path: Path, walk: Walk | None = None) -> tuple[RobotModel, Array]
         UserError: ``robot.yaml`` or the model is not valid.
     """
     config = _config(path, walk, _version(path))
-    return _loaded(path, walk, _version(path, config.model_file), learned_walker(config))
+    return _loaded(path, walk, _version(path, *model_files(config.model_file)), learned_walker(config))
 
 
 def _version(*files: Path) -> tuple[tuple[int, int], ...]:
