@@ -241,7 +241,7 @@ def _one_line(error: ValueError) -> str:
 
 def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
     """Refuse a ``robot.yaml`` that does not fit its model."""
-    bodies = [body.name for body in spec.bodies if body.name]
+    bodies = [body.name for body in spec.bodies if body.name and body != spec.worldbody]
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     hinges = [joint.name for joint in spec.joints if joint.name and joint.type != mujoco.mjtJoint.mjJNT_FREE]
     problems: list[Problem] = []

@@ -181,6 +181,7 @@ def test_the_torque_limit_is_that_of_the_drive_whatever_the_models_joint_says(tm
     [
         ("torso: torso", "torso: torzo", "the model has no body 'torzo'", "did you mean 'torso'?"),
         ("base: pelvis", "base: pelvsi", "the model has no body 'pelvsi'", "did you mean 'pelvis'?"),
+        ("torso: torso", "torso: world", "the model has no body 'world'", "torso"),
         (
             "hip_roll: left_hip_roll",
             "hip_roll: left_hip_rol",
