@@ -33,6 +33,7 @@ from humanoid_bt.session.report import ExitCode
 _TRIALS = 20
 _SEEDS = 5  # that failed, at most, which are named
 _HEADER = f"{'':<17}  {'goal':>5}  {'feet':>5}  {'95 %':>8}  promised"
+_BESIDE = 22  # columns of each of several bodies
 _GAIT_HEADER = f"{'gait':<17}{'mean':>8}{'median':>8}{'worst':>8}  {'promised':>10}"
 
 
@@ -124,12 +125,12 @@ def _tried(
                 for found in measured:
                     if found.body == bodies[-1]:
                         left.remove(found.row.name)
-                        _say(console, _line(of(found.row.name)))
+                        _say(console, _line(of(found.row.name), len(bodies)))
         except KeyboardInterrupt:
             pass
     for name in left:
         if of(name):
-            _say(console, _line(of(name)))
+            _say(console, _line(of(name), len(bodies)))
     return [found for row in rows for found in of(row.name)], not left
 
 
@@ -142,23 +143,25 @@ def _say(console: SafeConsole, line: Text) -> None:
 def _headers(bodies: Sequence[Walk | None]) -> list[str]:
     if len(bodies) == 1:
         return [_HEADER]
-    over = "".join(f"  {body:^18}" for body in bodies)
-    return [f"{'':<17}{over}", f"{'':<17}{'   goal   feet     ' * len(bodies)}  promised"]
+    over = "".join(f"{body:^{_BESIDE}}" for body in bodies)
+    each = f"  {'goal':>5}  {'feet':>5}".ljust(_BESIDE)
+    return [f"{'':<17}{over}", f"{'':<17}{each * len(bodies)}  promised"]
 
 
-def _line(found: Sequence[Withstood]) -> Text:
-    """Return the line of a row, the bodies side by side."""
+def _line(found: Sequence[Withstood], bodies: int) -> Text:
+    """Return the line of a row, as many bodies side by side; the last ones may not be known yet."""
     row = found[0].row
     line = Text(f"{row.name:<17}")
     for one in found:
         reached = f"{one.good.count}/{one.good.of}" if row.walks else ""
         line.append(f"  {reached:>5}  {f'{one.on_feet.count}/{one.on_feet.of}':>5}")
-        if len(found) > 1:
+        if bodies > 1:
             line.append("  ").append(judged(one.verdict)).append(" " * (6 - len(one.verdict)))
-    if len(found) == 1:
+    line.append(" " * _BESIDE * (bodies - len(found)))
+    if bodies == 1:
         line.append(f"  {_between(found[0].good.interval):>8}")
     line.append(f"  {f'{row.promise.bound:g} %':>8}")
-    return line if len(found) > 1 else line.append("  ").append(judged(found[0].verdict))
+    return line if bodies > 1 else line.append("  ").append(judged(found[0].verdict))
 
 
 def _gait_line(figure: GaitFigure) -> Text:

@@ -94,12 +94,22 @@ def test_a_robot_with_two_bodies_has_them_side_by_side(
     monkeypatch.setenv("COLUMNS", "200")  # whatever the length of the path
     command = ["bench", "--body", "--robot", str(path), "--only", "goals", "--trials", "4"]
     assert main(command) == 1
-    rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    lines = capsys.readouterr().out.splitlines()
+    for title, value in (("goal", "4/4"), ("promised", "95 %")):
+        assert lines[2].index(title) + len(title) == lines[3].index(value) + len(value), "one below the other"
+    assert lines[2].rindex("feet") + len("feet") == lines[3].rindex("3/4") + len("3/4")
+    rows = [" ".join(line.split()) for line in lines]
     assert rows[1:4] == ["policy dcm", "goal feet goal feet promised", "goals 4/4 4/4 ok 3/4 3/4 missed 95 %"]
     assert "goals (dcm): walks to a random goal" in rows
     assert rows[-1].endswith("--walk dcm")
     assert main([*command, "--walk", "policy"]) == 0
     assert asked["bodies"] == ["policy"]
+    asked["interrupt"] = 4
+    capsys.readouterr()
+    assert main(command) == 130
+    lines = capsys.readouterr().out.splitlines()
+    assert " ".join(lines[3].split()) == "goals 4/4 4/4 ok 95 %"
+    assert lines[3].index("95 %") + len("95 %") == lines[2].index("promised") + len("promised")
 
 
 def test_the_exit_code_says_whether_every_promise_is_kept(asked: dict[str, Any]) -> None:
