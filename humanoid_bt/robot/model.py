@@ -13,7 +13,6 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.patterns import matching
 from humanoid_bt.files.reading import is_file
-from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
 from humanoid_bt.robot.overruled import overruled
 from humanoid_bt.robot.palm import palm_axes
@@ -86,7 +85,6 @@ class RobotModel:
     """
 
     def __init__(self, config: RobotConfig) -> None:
-        mujoco_warnings.hear()
         self.policy = learned_walker(config)
         self.config = config
         spec = self.spec()

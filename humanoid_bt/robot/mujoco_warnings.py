@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import logging
+import warnings
 from collections import deque
 
 import mujoco
@@ -13,8 +14,9 @@ _pending: deque[str] = deque(maxlen=100)
 
 
 def hear() -> None:
-    """Take what MuJoCo warns of in this process, from now on."""
+    """Take what MuJoCo warns of in this process, from now on; of an attached model it would warn Python as well."""
     mujoco.set_mju_user_warning(_pending.append)
+    warnings.filterwarnings("ignore", "Attach conflict", UserWarning)
 
 
 def taken() -> list[str]:

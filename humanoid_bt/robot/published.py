@@ -10,6 +10,7 @@ import mujoco
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.texts import few, listed
+from humanoid_bt.robot import mujoco_warnings
 
 OWN = "hbt_"
 """What the names of all begin with that is added to a model."""
@@ -36,6 +37,7 @@ def read_model(path: Path) -> mujoco.MjSpec:
     if not _is_utf8(path):
         message, hint = "MuJoCo reads no model whose path is not in UTF-8", "rename the file or its folder"
         raise UserError(message, Place(relative(path)), hint, code="model")
+    mujoco_warnings.hear()
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import (
     BASE_COORDINATES,
@@ -322,6 +323,20 @@ def test_a_path_that_mujoco_cannot_open_is_told(tmp_path: Path, edit: Edit) -> N
     (tmp_path / "humanoid.xml").rename(latin)
     with pytest.raises(UserError, match="no model whose path is not in UTF-8"):
         read_model(latin)
+
+
+def test_what_an_attached_model_brings_in_vain_is_told_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = f'<asset><model name="robot" file="{FOLDER / "humanoid.xml"}"/></asset>'
+    world = '<worldbody><attach model="robot" body="pelvis" prefix="a/"/></worldbody>'
+    Path("scene.xml").write_text(f"<mujoco>{robot}{world}</mujoco>")
+    mujoco.set_mju_user_warning(None)
+    read_model(Path("scene.xml")).compile()
+    assert any("Attach conflict" in text for text in mujoco_warnings.taken())
+    assert not recwarn.list
+    assert not Path("MUJOCO_LOG.TXT").exists()
 
 
 def test_a_rope_that_holds_the_robot_up_is_refused(tmp_path: Path, edit: Edit) -> None:
