@@ -39,6 +39,7 @@ _ZERO = 5e-4  # m
 _GAP = 0.01  # m between feet side by side
 _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can stand on it
 _LEAST_TURN = 0.05  # rad that a step turns, also on hips that turn one way only
+_ANKLE = 0.15  # m at most from a sole up to the frame of its foot: that of a leg of one link is at the hip
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 
 
@@ -313,7 +314,10 @@ class _Writer:
 
     def _height(self) -> float:
         """Return how high the centre of mass is above the feet [m]."""
-        feet = [self._standing.xpos[leg.body][2] for leg in self._limbs.legs.values()]
+        feet = [
+            min(self._standing.xpos[leg.body][2], self._sole(side)[2] + _ANKLE)
+            for side, leg in self._limbs.legs.items()
+        ]
         return float(self._standing.subtree_com[self._limbs.base][2] - min(feet))
 
     def _sole(self, side: Side) -> Array:

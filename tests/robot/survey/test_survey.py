@@ -360,6 +360,18 @@ def test_an_ankle_without_roll_is_told_and_does_not_matter(spec: mujoco.MjSpec, 
     RobotModel(found)
 
 
+def test_legs_of_one_link_are_told_with_what_they_lack() -> None:
+    leg = (
+        '<body name="{0}" pos="0 {1} -0.1"><joint name="{0}" axis="0 1 0" range="-1 1"/>'
+        '<geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.04"/>'
+        '<geom size="0.1 0.04 0.01" type="box" pos="0 0 -0.42"/></body>'
+    )
+    legs = leg.format("left", 0.1) + leg.format("right", -0.1)
+    model = f'<mujoco><worldbody><body name="base"><freejoint/><geom size="0.1"/>{legs}</body></worldbody></mujoco>'
+    description = describe(mujoco.MjModel.from_xml_string(model), "found", "model.xml")
+    assert {"hip_roll of the left leg", "ankle_pitch of the right leg"} <= set(description.missing)
+
+
 def test_a_leg_without_another_joint_is_told(spec: mujoco.MjSpec) -> None:
     for side in SIDES:
         spec.delete(spec.joint(f"{side}_hip_roll"))
