@@ -252,8 +252,8 @@ class _Writer:
             yield f"  - {{joints: [{joints}], {numbers}}}"
 
     def _posture(self) -> Iterator[str]:
-        yield f"home:    # {self._guess('the posture in which it stands')}"
         angles = {self._joint(joint): angle for joint, angle in self._home.items() if angle}
+        yield f"home:{'' if angles else ' {}'}    # {self._guess('the posture in which it stands')}"
         for angle in dict.fromkeys(angles.values()):
             for pattern in _patterns([name for name, other in angles.items() if other == angle], self._hinges):
                 yield f"  {_quoted(pattern)}: {angle:g}"

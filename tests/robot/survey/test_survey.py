@@ -11,6 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+import yaml
 
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.formatting import formatted
@@ -370,6 +371,7 @@ def test_legs_of_one_link_are_told_with_what_they_lack() -> None:
     model = f'<mujoco><worldbody><body name="base"><freejoint/><geom size="0.1"/>{legs}</body></worldbody></mujoco>'
     description = describe(mujoco.MjModel.from_xml_string(model), "found", "model.xml")
     assert {"hip_roll of the left leg", "ankle_pitch of the right leg"} <= set(description.missing)
+    assert yaml.safe_load(description.text)["home"] == {}
 
 
 def test_a_leg_without_another_joint_is_told(spec: mujoco.MjSpec) -> None:
