@@ -12,6 +12,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import Problem, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.reading import with_article
 from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
@@ -130,7 +131,7 @@ def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
             elif abs(turns[axis]) < _ALONG:
                 fits = [name for name in chain if abs(robot.axes[robot.joint(name), axis]) >= _ALONG]
                 hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
-                message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
+                message = f"{joint!r} turns about {_axis(turns)}, {with_article(role)} joint about {'xyz'[axis]}"
                 yield Problem(message, place, hint, code="joint-role")
             elif joint not in those:
                 hint = f"from the {config.base} down: {', '.join(chain)}"
@@ -337,8 +338,10 @@ def _away(model: mujoco.MjModel, data: mujoco.MjData, name: str, point: Array) -
 
 
 def _axis(direction: Array) -> str:
-    """Return the axis that a direction is nearest to, as ``-y``."""
+    """Return the axis that a direction is along, as ``-y``, or its numbers if it is along none."""
     most = int(np.argmax(np.abs(direction)))
+    if abs(direction[most]) < _ALONG:
+        return _numbers(direction)
     return ("-" if direction[most] < 0 else "") + "xyz"[most]
 
 

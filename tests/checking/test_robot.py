@@ -38,6 +38,7 @@ collision:
   capsules:
     - {body: torso, start: [0.44, -0.3, -0.02], end: [0.44, 0.3, -0.02], radius: 0.17}"""
 RIGHT_FOOT = '<geom name="right_foot" class="sole" size="0.105 0.045 0.015"'
+ANKLE_ROLL = '<joint name="left_ankle_roll" axis="1 0 0"'
 NECK_PITCH = '<joint name="neck_pitch" axis="0 1 0" range="-0.6 0.8"/>'
 
 
@@ -75,6 +76,13 @@ BREAKS = {
         "ankle_roll: left_ankle_pitch",
         "joint-role",
         "of this leg these turn about x: left_hip_roll, left_ankle_roll",
+    ),
+    "oblique roll": Break(
+        ANKLE_ROLL,
+        ANKLE_ROLL.replace("1 0 0", "2 2 1"),
+        "joint-role",
+        "'left_ankle_roll' turns about [0.667, 0.667, 0.333], an ankle_roll joint about x",
+        "ankle_roll: left_ankle_roll",
     ),
     "ankle for hip": Break(
         "hip_roll: left_hip_roll", "hip_roll: left_ankle_roll", "joint-role", "'left_ankle_roll' is no hip joint"
