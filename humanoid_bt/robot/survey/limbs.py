@@ -152,12 +152,24 @@ class Surveyor:
             found[side] = self._above_toes(min(beside, key=self._lowest))
         left, right = (self.place(foot) for foot in found.values())
         uneven = float(np.linalg.norm(left * [1, -1, 1] - right)) > _UNEVEN
+        if max(left[2], right[2]) > 0 and (root := self._bare_root()):
+            raise NoHumanoidError(root)
         if max(left[2], right[2]) > 0 or uneven or not self._upright(found.values()):
             names = " and ".join(repr(self.model.body(foot).name) for foot in found.values())
             base = self.model.body(self.base).name
             message = f"the lowest ends on either side of {base!r}, {names}, are no pair of feet below it"
             raise NoHumanoidError(f"{message}: in its frame x must point ahead, y to the left, z up")
         return found
+
+    def _bare_root(self) -> str:
+        """Return that the base is a frame and no part of the robot, as a ``base_footprint`` is, "" if it is none."""
+        model, base = self.model, self.base
+        fixed = [body for body in range(base + 1, model.nbody) if model.body_weldid[body] == base]
+        if model.body_mass[base] or not fixed:
+            return ""
+        heaviest = max(fixed, key=lambda body: float(model.body_mass[body]))
+        root, pelvis = (repr(model.body(body).name) for body in (base, heaviest))
+        return f"the base, {root}, weighs nothing and is not above the feet: make {pelvis}, on it, the model's root"
 
     def _upright(self, feet: Iterable[int]) -> bool:
         """Return whether the robot is higher than it is long, and its feet are lowest: so it is in any posture."""

@@ -643,6 +643,15 @@ def test_what_is_no_humanoid_is_refused(spec: mujoco.MjSpec, change: str, says: 
         describe(spec.compile(), "found", "model.xml")
 
 
+def test_a_root_between_the_feet_is_told_with_what_is_to_be_the_root(tmp_path: Path) -> None:
+    text = (BUILTIN / "humanoid.xml").read_text()
+    root = '<body name="base_footprint"><body name="pelvis"'
+    text = text.replace('<body name="pelvis"', root).replace('<freejoint name="root"/>', "")
+    (tmp_path / "model.xml").write_text(text.replace("</worldbody>", "</body></worldbody>"))
+    with pytest.raises(NoHumanoidError, match=r"'base_footprint', weighs nothing .* make 'pelvis', on it, the model's"):
+        describe(read_model(tmp_path / "model.xml").compile(), "found", "model.xml")
+
+
 @dataclass(frozen=True)
 class Published:
     """What a published model has.
