@@ -14,7 +14,7 @@ from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause, Row
 from humanoid_bt.review.history import Change, History
 from humanoid_bt.review.staged import PREFIX
-from humanoid_bt.review.words import cut, doing, last, line_of, when
+from humanoid_bt.review.words import cut, doing, last, line_of, reported, when
 
 _FLAPS = 4  # changes of a condition that are more than a change of mind
 _FLAPPING = 5.0  # s in which they count
@@ -121,7 +121,7 @@ def _said_last(history: History, acting: Change, time: float) -> str:
     """
     results = [found for _, found in history.results(acting.path, time - 0.1, time)]
     if results and results[-1]:
-        said = ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results[-1][:2])
+        said = reported(results[-1][:2])
     elif (told := _STILL_RAN.match(history.end["reason"])) and told["path"] == acting.path:
         said = told["said"]
     else:

@@ -13,7 +13,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.history import History
-from humanoid_bt.review.words import command, cut, sight
+from humanoid_bt.review.words import command, cut, reported, sight
 
 _MOST = 3  # percepts, joints that are told
 _RECENT = 0.2  # s before a moment in which joints are looked at
@@ -117,10 +117,12 @@ def joint_text(joint: dict[str, Any]) -> str:
 
 
 def node_rows(history: History, time: float) -> Iterator[Row]:
-    """Yield the nodes that acted at a time [s]."""
+    """Yield the nodes that acted at a time [s], with what they said as they began and what they reported by then."""
     for number, change in enumerate(history.acting(time)[:_MOST]):
-        place = history.place(change.path, time)
-        yield (
-            "nodes" if number == 0 else "",
-            cut(f"{change.path}  {place}: {change.said} (since {change.time:.2f} s)", 240),
-        )
+        told = [f"{change.path}  {history.place(change.path, time)}, since {change.time:.2f} s"]
+        if change.said:
+            told.append(f"at first: {change.said}")
+        later = history.results(change.path, change.time + 2 * AT, time)
+        if found := [results for _, results in later if results]:
+            told.append(f"by then: {reported(found[-1])}")
+        yield "nodes" if number == 0 else "", cut("; ".join(told), 240)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from humanoid_bt.core.messages import (
     ArmTarget,
@@ -54,6 +55,11 @@ def line_of(place: str) -> str:
 def changed(change: Change) -> str:
     """Return a change of a node's status as a line."""
     return cut(f"{SIGNS.get(change.status, '?')} {last(change.path)}  {change.said}")
+
+
+def reported(results: Iterable[tuple[str, Any, str]]) -> str:
+    """Return what a skill reported: name, value and unit of each."""
+    return ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results)
 
 
 def doing(acting: list[Change]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +19,7 @@ from humanoid_bt.record.reading import Cycles, News, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explain import modes_told
 from humanoid_bt.review.happened import Happened
-from humanoid_bt.review.history import History, Span
+from humanoid_bt.review.history import Change, History, Span
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.review.pushed import hardest_push
@@ -157,6 +158,18 @@ def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
         (joint["load"] for joint in found.data["joints"]), reverse=True
     )
     assert len(found.data["joints"]) == len(read_flight(seen).setup["robot"]["joints"])
+
+
+def test_a_moment_tells_when_its_node_said_what_it_says(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(seen)
+    place = History(log).place("doubtful/emergency_stop/watchdog/reactive_sequence/approach")
+    node = f"doubtful/emergency_stop/watchdog/reactive_sequence/approach  {place}, since 0.00 s"
+    began, later = (dict(hbt.explain(seen, at=at).rows)["nodes"] for at in (0.0, 0.3))
+    assert re.fullmatch(re.escape(node) + r"; at first: 1\.\d+ m to go to target", began)
+    assert later.startswith(began)
+    assert re.fullmatch(r"; by then: target distance 1\.\d+ m, bearing error .* deg", later.removeprefix(began))
+    monkeypatch.setattr(History, "acting", lambda _history, _time: [Change(0.0, "doubtful/other", "RUNNING", "")])
+    assert dict(moment_explained(History(log), 0.3).rows)["nodes"] == "doubtful/other  , since 0.00 s"
 
 
 def test_of_a_decision_that_died_only_its_last_tick_is_told(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
