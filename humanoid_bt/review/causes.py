@@ -15,8 +15,9 @@ from humanoid_bt.record.reading import AT
 from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
-from humanoid_bt.review.history import Happened, History, Stopped
+from humanoid_bt.review.history import COMMANDED, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
+from humanoid_bt.review.stops import recovered
 from humanoid_bt.review.weak_joint import gave_way, labouring
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
@@ -36,7 +37,6 @@ STOPS = (
 )
 """Kinds of causes that are stops."""
 
-_COMMANDED = ("run", "paused")  # modes in which nothing stops the robot
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _SENSOR, _PLANT = "a sensor failed: ", "the plant "
@@ -64,8 +64,10 @@ def cause_of(history: History) -> Cause:
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
-        times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
-        return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
+        went_on = history.went_on(history.stops[0])
+        then = f"; the robot went on at {when(went_on)}" if went_on is not None else ""
+        then = f", the first of {len(history.stops)} times{then}" if len(history.stops) > 1 else then
+        return replace(began, headline=f"{began.headline}{then}; {ending.headline}")
     return ending
 
 
@@ -97,12 +99,12 @@ def first_stop(history: History, time: float) -> Stopped | None:
     until = time
     now = history.modes(time - 0.05, time)
     ended_by_it = history.end.get("outcome") == "stopped"  # perhaps in the very servo cycle that the last tick saw
-    if now and now[-1].mode in _COMMANDED and not ended_by_it:
+    if now and now[-1].mode in COMMANDED and not ended_by_it:
         return None
     for stop in reversed(history.stops):
         if stop.time > time + AT:
             continue
-        if any(span.mode in _COMMANDED for span in history.modes(stop.time + 2e-3, until)):
+        if any(span.mode in COMMANDED for span in history.modes(stop.time + 2e-3, until)):
             break
         chain, until = stop, stop.time
     return chain
@@ -123,7 +125,9 @@ def _ending(history: History) -> Cause:
     if outcome == "failure":
         return failures.failed(history, time)
     if outcome == "success":
-        return Cause("success", f"nothing stopped it: the run succeeded at {when(time)}: {cut(end['reason'])}", time)
+        after, text = recovered(history), f"the run succeeded at {when(time)}"
+        text = f"{text}{after}" if after else f"nothing stopped it: {text}"
+        return Cause("success", f"{text}: {cut(end['reason'])}", time)
     if refused := _refusals(history, time):
         return refused
     return failures.without_result(history, time, outcome, end["reason"])
@@ -136,7 +140,7 @@ def _without_end(history: History) -> Cause:
     during = f" while {acting} ran" if acting else ""
     if any(event.text == _GONE for event in history.events):
         rows = [("shown by", f"the last tick is of {when(ticked)}, servo cycles go on until {when(history.until)}")]
-        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode not in _COMMANDED), None)
+        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode not in COMMANDED), None)
         then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
         text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
         return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])

@@ -21,14 +21,13 @@ from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.review.scene import body_row, command_in_force, hand_row, joint_loads, joint_text, sight_rows
 from humanoid_bt.review.staged import staged_before, staged_rows
+from humanoid_bt.review.stops import stop_rows
 from humanoid_bt.review.success import near_trouble
 from humanoid_bt.review.words import cut, line_of, several, when
 
 _BEFORE = 2.0  # s before the moment that are told
 _AFTER = 10.0  # s after it in which control is followed
 _SPANS = 4  # modes of control that are told
-_STOPS = 5  # that are listed
-_SHORT = 60  # characters of why it was stopped, in a list of stops
 _SCREEN = 30  # lines
 _MOST, _LEAST = 7, 2  # lines about what led up to it
 _LOADED = 0.5  # share of a limit from which on a joint is worth a line
@@ -133,14 +132,7 @@ def _lasted(history: History) -> float:
 def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
     if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
-        before = ""
-        for number, stop in enumerate(history.stops[:_STOPS]):
-            by = "" if stop.source == "supervisor" else f" ({cut(stop.source, 40)})"
-            what = f"{stop.mode.replace('_', ' ')}: {_in_short(stop.reason)}{by}"
-            yield "stops" if number == 0 else "", f"{when(stop.time)} {'the same' if what == before else what}"
-            before = what
-        if len(history.stops) > _STOPS:
-            yield "", f"and {len(history.stops) - _STOPS} more"
+        yield from stop_rows(history)
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
     yield "", f"and put the cursor of sim_time at {when(cause.time)}"
@@ -150,11 +142,6 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
         yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, relative(log))
     yield "more", f"humanoid-bt explain --at {cause.time:.3f} {file}"
     yield "", PAGE
-
-
-def _in_short(reason: str) -> str:
-    """Return why the robot was stopped, without what follows the first colon if that is long."""
-    return reason if len(reason) <= _SHORT else cut(reason.split(": ", maxsplit=1)[0], _SHORT)
 
 
 def modes_told(history: History, time: float) -> str:

@@ -23,6 +23,9 @@ _TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is lo
 _SILENT = 0.1  # s without a tick after which nobody knows that a node still ran
 _SIGHTS = 60.0  # s for which percepts are looked for
 
+COMMANDED = ("run", "paused")
+"""Modes in which nothing stops the robot."""
+
 HALTED = "halted: "
 """How begins what a node says that was halted while it ran."""
 
@@ -256,6 +259,16 @@ class History:
             Span(began[first], began[after] if after < len(numbers) else float(cycles.time[-1]), mode)
             for first, after, mode in zip(starts, ends, modes, strict=True)
         ]
+
+    def went_on(self, stop: Stopped) -> float | None:
+        """Return when the robot went on after a stop [s], None if it did not."""
+        later = (mode for mode in self._modes if mode.begin > stop.time and mode.mode in COMMANDED)
+        return next((mode.begin for mode in later), None)
+
+    @cached_property
+    def _modes(self) -> list[Span]:
+        """The modes of the supervisor in the whole run."""
+        return self.modes(self.begin, self.until)
 
     def results(self, path: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[tuple[float, list[Any]]]:
         """Yield what a skill reported: time [s], and name, value, unit of each result."""

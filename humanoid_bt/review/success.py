@@ -8,16 +8,15 @@ from humanoid_bt.review.body import clamped
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.failures import warned
 from humanoid_bt.review.history import History
-from humanoid_bt.review.words import cut, last, several, when
+from humanoid_bt.review.stops import stop_rows
+from humanoid_bt.review.words import last, several, when
 
 _MOST = 3  # rows of a kind
 
 
 def near_trouble(history: History) -> Iterator[Row]:
     """Yield stops that were recovered, slow ticks, lost percepts, warnings, and joints at limits."""
-    for stop in history.stops[:_MOST]:
-        mode, why = stop.mode.replace("_", " "), cut(f"{stop.reason} ({stop.source})")
-        yield "stopped", f"{when(stop.time)} {mode}: {why}; it was recovered"
+    yield from stop_rows(history)
     slow = history.end.get("slow_ticks") or {}
     if slow.get("count"):
         worst = slow["worst"]

@@ -304,6 +304,27 @@ def test_what_is_no_recording_is_answered(tmp_path: Path) -> None:
         hbt.explain(other, at=1.0, node="x")
 
 
+@pytest.mark.parametrize(
+    ("tree", "headline"),
+    [
+        ("wait", r"the run succeeded at 0\.7\d\d s, after an emergency stop at 0\.100 s for 0\.40 s: pause: waited"),
+        ("walk", r"the emergency stop was raised at 0\.100 s .*; the robot went on at 0\.500 s; the run was ended .*"),
+    ],
+)
+def test_a_stop_from_which_the_run_recovered_is_told_with_how_long_it_lasted(
+    play: Play, tree: str, headline: str
+) -> None:
+    def stop_for_a_while(session: Session) -> None:
+        session.raise_estop("a hand on the button", source="keyboard")
+        session.run_until(0.48)
+        session.request_reset(source="keyboard")
+
+    found = hbt.explain(play(tree, at=0.1, do=stop_for_a_while, on_estop="wait"))
+    assert re.fullmatch(headline, found.headline), found.headline
+    stops = [text for name, text in found.rows if name == "stops"]
+    assert stops == ["0.100 s emergency stop for 0.40 s: a hand on the button (keyboard)"] * (found.kind == "success")
+
+
 def test_of_a_run_without_trouble_nothing_else_is_told(play: Play) -> None:
     clean = hbt.explain(play("wait"))
     assert clean.kind == "success"
