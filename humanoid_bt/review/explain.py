@@ -107,7 +107,7 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
     loads = joint_loads(history, cause.time)
     if loads and loads[0]["load"] >= _LOADED:
         yield "joint", joint_text(loads[0])
-    yield from sight_rows(history, cause.time)
+    yield from sight_rows(history, cause.time, cause.headline)
     yield body_row(history, cause.time)
 
 

@@ -209,32 +209,21 @@ class History:
 
     def sights(self, time: float) -> list[Sight]:
         """Return what was known of each percept at a time [s], the freshest first."""
-        if time not in self._sights:  # of a percept that was lost long ago the whole recording is read
+        if time not in self._sights:  # a minute of the recording is read for it
             self._sights[time] = self._seen(time)
         return self._sights[time]
 
     def _seen(self, time: float) -> list[Sight]:
         found: dict[str, Percept] = {}
-        names = self._percepts(time)
         for percept in self.log.seen_before(time):
             found.setdefault(percept.name, percept)
-            if time - percept.stamp > _SIGHTS or (names and names <= found.keys()):
+            if time - percept.stamp > _SIGHTS:
                 break
         sights = [
             Sight(percept.name, max(time - percept.stamp, 0.0), percept.confidence, _distance(percept))
             for percept in found.values()
         ]
         return sorted(sights, key=lambda sight: (sight.age, sight.name))
-
-    def _percepts(self, time: float) -> set[str]:
-        """Return the percepts that nodes name, if they are all that can have been seen."""
-        named = {
-            str(self.value(written, time))
-            for node in self.nodes(time).values()
-            for key, written in node["values"].items()
-            if key in ("percept", "target") and isinstance(written, str)
-        }
-        return named
 
     def value(self, written: Any, time: float = math.inf) -> Any:
         """Return what a node's parameter is, which may be written as ``$name``."""

@@ -69,7 +69,7 @@ def _rows(history: History, time: float) -> Iterator[Row]:
         yield "command", cut(told, 300)
     if hands := hand_row(history, time):
         yield hands
-    yield from sight_rows(history, time)
+    yield from sight_rows(history, time, " ".join(change.said for change in history.acting(time)))
     for number, joint in enumerate(joint_loads(history, time)[:3]):
         yield "joints" if number == 0 else "", joint_text(joint)
     yield body_row(history, time)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -41,10 +42,19 @@ def _number(history: History, time: float) -> int:
     return int(servo[-1, 2]) if len(servo) else -1
 
 
-def sight_rows(history: History, time: float) -> Iterator[Row]:
-    """Yield what was known of the freshest percepts."""
-    for number, seen in enumerate(history.sights(time)[:_MOST]):
-        yield "percepts" if number == 0 else "", sight(seen)
+def sight_rows(history: History, time: float, about: str) -> Iterator[Row]:
+    """Yield what was known of the percepts that a text names, then of the freshest of the others, and how many more."""
+    sights = sorted(history.sights(time), key=lambda seen: not _names(about, seen.name))
+    most = max(_MOST, sum(_names(about, seen.name) for seen in sights))
+    told = [sight(seen) for seen in sights[:most]]
+    if len(sights) > most:
+        told.append(f"and {len(sights) - most} more")
+    for number, text in enumerate(told):
+        yield "percepts" if number == 0 else "", text
+
+
+def _names(text: str, name: str) -> bool:
+    return re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text) is not None
 
 
 def body_row(history: History, time: float) -> Row:

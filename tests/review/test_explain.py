@@ -15,6 +15,7 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt.cli import main
+from humanoid_bt.core.messages import Percept
 from humanoid_bt.record.reading import Cycles, News, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explain import modes_told
@@ -23,6 +24,7 @@ from humanoid_bt.review.history import Change, History, Span
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.review.pushed import hardest_push
+from humanoid_bt.review.scene import sight_rows
 from humanoid_bt.session.session import Session
 
 Play = Callable[..., Path]
@@ -188,6 +190,22 @@ def test_percepts_of_a_moment_are_those_of_that_time(seen: Path) -> None:
     before, after = (hbt.explain(seen, at=at).data["percepts"][0] for at in (0.3, 0.4))
     assert before["confidence"] > 0.8
     assert after["confidence"] < 0.2
+
+
+def test_the_percepts_that_are_told_are_those_of_the_reason_and_how_many_more(
+    seen: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = read_flight(seen)
+    names = ["target", "a", "b", "c", "box 2"]
+    percepts = [Percept(name, 0.3, np.array([1.0, 0.0, 0.0]), 0.9) for name in names]
+    monkeypatch.setattr(log, "seen_before", lambda _time: iter(percepts))
+    rows = sight_rows(History(log), 0.3, "no way to target: box 2 is in the way")
+    assert [(name, text.split(" seen")[0]) for name, text in rows] == [
+        ("percepts", "box 2"),
+        ("", "target"),
+        ("", "a"),
+        ("", "and 2 more"),
+    ]
 
 
 def test_the_life_of_a_node(seen: Path) -> None:
