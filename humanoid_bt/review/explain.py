@@ -14,7 +14,7 @@ from humanoid_bt.review.before import before, chosen
 from humanoid_bt.review.cause import Cause, Row, unrepeated
 from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
-from humanoid_bt.review.hints import CONTROL_LOG, HINTS, PAGE
+from humanoid_bt.review.hints import CONTROL_LOG, EXPLAIN_JOINT, EXPLAIN_NODE, PAGE, hints
 from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
@@ -23,7 +23,7 @@ from humanoid_bt.review.scene import body_row, command_in_force, hand_row, joint
 from humanoid_bt.review.staged import staged_before, staged_rows
 from humanoid_bt.review.stops import stop_rows
 from humanoid_bt.review.success import near_trouble
-from humanoid_bt.review.words import cut, line_of, several, when
+from humanoid_bt.review.words import cut, last, line_of, mentions, several, when
 
 _BEFORE = 2.0  # s before the moment that are told
 _AFTER = 10.0  # s after it in which control is followed
@@ -136,12 +136,21 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
     yield "", f"and put the cursor of sim_time at {when(cause.time)}"
-    log = control_log(history)
-    hints = [hint for hint in HINTS.get(cause.kind, ()) if log.is_file() or CONTROL_LOG not in hint]
-    for number, hint in enumerate(hints):
-        yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, relative(log))
+    for number, hint in enumerate(hints(cause.kind, _named(history, cause, file))):
+        yield "helps" if number == 0 else "", hint
     yield "more", f"humanoid-bt explain --at {cause.time:.3f} {file}"
     yield "", PAGE
+
+
+def _named(history: History, cause: Cause, file: str) -> dict[str, str]:
+    """Return what hints speak of, as this run has it; "" where it has none."""
+    log, node = control_log(history), shlex.quote(last(cause.node))
+    joint = next((joint for joint in history.setup["robot"]["joints"] if mentions(cause.headline, joint)), "")
+    return {
+        CONTROL_LOG: relative(log) if log.is_file() else "",
+        EXPLAIN_NODE: f"humanoid-bt explain --node {node} {file}" if cause.node else "",
+        EXPLAIN_JOINT: f"humanoid-bt explain --joint {joint} {file}" if joint else "",
+    }
 
 
 def modes_told(history: History, time: float) -> str:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Iterator, Mapping
+
 PAGE = "docs/what-stopped-my-robot.md"
 CONTROL_LOG = "RECORDING.control.log"
 """Stands for the file in which control notes what happens."""
+EXPLAIN_NODE, EXPLAIN_JOINT = "explain --node NAME", "explain --joint NAME"
+"""Stand for the commands that explain the node behind a cause, and a joint that it names."""
 
 HINTS: dict[str, tuple[str, ...]] = {
     "success": (),
@@ -32,7 +37,7 @@ HINTS: dict[str, tuple[str, ...]] = {
     "push": ("nothing in the tree did it: look at what touched the robot; docs/safety.md says what it withstands",),
     "fall": ("look at the seconds before in the viewer; slower walking and nearer targets leave more balance",),
     "state": ("a sensor that sends nonsense, or a simulation that diverged: look at the joints with --at",),
-    "sensor": ("look at that sensor and its cable; humanoid-bt explain --joint NAME shows what it said",),
+    "sensor": ("look at that sensor and its cable", f"{EXPLAIN_JOINT} shows what it said"),
     "plant": (
         "look at the cable, and at what the plant says in its own terminal or log",
         "docs/your-robot.md says what each side does then",
@@ -44,8 +49,8 @@ HINTS: dict[str, tuple[str, ...]] = {
     "ik": ("a target that cannot be met together with the others: command fewer, or nearer ones",),
     "exception": ("catch it in the skill, or put on_error above the node; the traceback is in the report (--report)",),
     "conflict": ("only one node at a time may command a resource: docs/concepts.md",),
-    "timeout": ("a longer duration, or find out why the node did not end: humanoid-bt explain --node NAME",),
-    "failed": ("humanoid-bt explain --node NAME shows what the node did; docs/tree-reference.md has recovery",),
+    "timeout": ("a longer duration, or find out why the node did not end", f"{EXPLAIN_NODE} shows what it did"),
+    "failed": (f"{EXPLAIN_NODE} shows what the node did", "docs/tree-reference.md has recovery"),
     "control": (
         "RECORDING.control.log says what control noted last; dmesg says whether the system killed it",
         "docs/realtime.md says what keeps the machine from stalling it",
@@ -61,6 +66,19 @@ HINTS: dict[str, tuple[str, ...]] = {
     "stop": ("look at who asked for the stop",),
     "error": ("the traceback is in the report (--report)",),
     "interrupted": (),
-    "unfinished": ("a longer --duration lets it go on; humanoid-bt explain --node NAME shows what held it up",),
+    "unfinished": ("a longer --duration lets it go on", f"{EXPLAIN_NODE} shows what held it up"),
 }
 """Kind of a cause -> what would help, the most likely first."""
+
+
+def hints(kind: str, known: Mapping[str, str]) -> Iterator[str]:
+    """Yield what would help, without what speaks of something that is not known.
+
+    Args:
+        kind: of the cause.
+        known: what stands for something, and what it stands for; "" if that is not known.
+    """
+    for hint in HINTS.get(kind, ()):
+        named = [name for name in known if name in hint]
+        if all(known[name] for name in named):
+            yield functools.reduce(lambda text, name: text.replace(name, known[name]), named, hint)

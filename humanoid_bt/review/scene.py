@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,7 +13,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.history import History
-from humanoid_bt.review.words import command, cut, reported, sight
+from humanoid_bt.review.words import command, cut, mentions, reported, sight
 
 _MOST = 3  # percepts, joints that are told
 _RECENT = 0.2  # s before a moment in which joints are looked at
@@ -44,17 +43,13 @@ def _number(history: History, time: float) -> int:
 
 def sight_rows(history: History, time: float, about: str) -> Iterator[Row]:
     """Yield what was known of the percepts that a text names, then of the freshest of the others, and how many more."""
-    sights = sorted(history.sights(time), key=lambda seen: not _names(about, seen.name))
-    most = max(_MOST, sum(_names(about, seen.name) for seen in sights))
+    sights = sorted(history.sights(time), key=lambda seen: not mentions(about, seen.name))
+    most = max(_MOST, sum(mentions(about, seen.name) for seen in sights))
     told = [sight(seen) for seen in sights[:most]]
     if len(sights) > most:
         told.append(f"and {len(sights) - most} more")
     for number, text in enumerate(told):
         yield "percepts" if number == 0 else "", text
-
-
-def _names(text: str, name: str) -> bool:
-    return re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text) is not None
 
 
 def body_row(history: History, time: float) -> Row:

@@ -47,6 +47,11 @@ def several(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+def mentions(text: str, name: str) -> bool:
+    """Return whether a text has a name as a word of its own."""
+    return re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text) is not None
+
+
 def line_of(place: str) -> str:
     """Return file and line of a place, without the column."""
     return place.rsplit(":", 1)[0] if _LINE.search(place) else place

@@ -443,6 +443,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert " after -" not in dict(found.rows).get("run", "")
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     assert (("", "0.800 s the same for 0.02 s") in found.after) == (name in {"refused", "refused for seconds"})
+    assert not any("NAME" in text for _, text in found.after)
     for more in (text for name, text in found.after if name == "more"):
         at = float(more.split()[3])
         assert at == pytest.approx(found.time, abs=6e-4)

@@ -20,6 +20,7 @@ from humanoid_bt.record.reading import Cycles, News, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explain import modes_told
 from humanoid_bt.review.happened import Happened
+from humanoid_bt.review.hints import EXPLAIN_JOINT, hints
 from humanoid_bt.review.history import Change, History, Span
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
@@ -341,6 +342,18 @@ def test_a_stop_from_which_the_run_recovered_is_told_with_how_long_it_lasted(
     assert re.fullmatch(headline, found.headline), found.headline
     stops = [text for name, text in found.rows if name == "stops"]
     assert stops == ["0.100 s emergency stop for 0.40 s: a hand on the button (keyboard)"] * (found.kind == "success")
+
+
+def test_what_would_help_names_the_node_and_the_recording(play: Play) -> None:
+    late = play("late")
+    commands = [text for _, text in hbt.explain(late).after if "explain --node" in text]
+    assert commands == [f"humanoid-bt explain --node walk {late} shows what it did"]
+    assert hbt.explain(late, node="walk").headline.startswith("'walk' ran once")
+
+
+def test_what_would_help_speaks_of_nothing_that_is_not_known() -> None:
+    assert list(hints("sensor", {EXPLAIN_JOINT: ""})) == ["look at that sensor and its cable"]
+    assert list(hints("sensor", {EXPLAIN_JOINT: "a command"}))[1:] == ["a command shows what it said"]
 
 
 def test_of_a_run_without_trouble_nothing_else_is_told(play: Play) -> None:
