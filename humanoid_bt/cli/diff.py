@@ -20,6 +20,7 @@ from humanoid_bt.review.compare_run import NodeShift, Parting
 from humanoid_bt.review.compare_setup import Change
 from humanoid_bt.review.difference import Difference, difference
 from humanoid_bt.review.recording import Recording, open_recording
+from humanoid_bt.review.words import status
 from humanoid_bt.session.report import ExitCode
 
 _DIFFERENT = 1
@@ -81,7 +82,9 @@ def _parting(parting: Parting) -> tuple[str, str]:
 
 
 def _shift(shift: NodeShift) -> tuple[str, str]:
-    before, after = ("nothing" if at is None else f"{at[0]} at {at[1]:.2f} s" for at in (shift.before, shift.after))
+    before, after = (
+        "nothing" if at is None else f"{status(at[0])} at {at[1]:.2f} s" for at in (shift.before, shift.after)
+    )
     return _near(shift.node), f"{before} → {after}"
 
 

@@ -17,6 +17,7 @@ from humanoid_bt.core.units import readable_pair
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_setup import Change
 from humanoid_bt.review.happened import Row
+from humanoid_bt.review.words import status
 
 _NOT_COMPARED = ("sequence", "command_sequence")  # they only count
 _MISSING = object()
@@ -109,7 +110,8 @@ def node_parting(time: float, before: tuple[str, str] | None, after: tuple[str, 
     """Return that nodes, path and status of each, did not change alike at an engine time [s]; None if none did."""
     path = (before or after or ("",))[0]
     texts = [
-        "no change" if one is None else one[1] if one[0] == path else f"{one[0]} {one[1]}" for one in (before, after)
+        "no change" if one is None else status(one[1]) if one[0] == path else f"{one[0]} {status(one[1])}"
+        for one in (before, after)
     ]
     return Parting(time, f"node {path}", *texts)
 
@@ -205,7 +207,7 @@ def _of_ticks(
 
 def _of_node(shift: NodeShift) -> Parting:
     texts = [
-        "nothing" if at is None or at[1] != shift.time else f"{shift.node} {at[0]}"  # what it did at that time
+        "nothing" if at is None or at[1] != shift.time else f"{shift.node} {status(at[0])}"  # what it did at that time
         for at in (shift.before, shift.after)
     ]
     return Parting(shift.time, "node", *texts)

@@ -62,6 +62,11 @@ def changed(change: Change) -> str:
     return cut(f"{SIGNS.get(change.status, '?')} {last(change.path)}  {change.said}")
 
 
+def status(name: str) -> str:
+    """Return the name of a status as people read it, and as ``--break`` takes it: py_trees' is INVALID where halted."""
+    return "HALTED" if name == "INVALID" else name
+
+
 def reported(results: Iterable[tuple[str, Any, str]]) -> str:
     """Return what a skill reported: name, value and unit of each."""
     return ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results)

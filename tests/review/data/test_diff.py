@@ -23,7 +23,7 @@ from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import NodeShift, command_parting, first_parting, node_shifts
 from humanoid_bt.review.compare_setup import Change, setup_changes
-from humanoid_bt.review.difference import difference
+from humanoid_bt.review.difference import Difference, difference
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.session.setup import tree_setup
 from humanoid_bt.testing.conditions import Conditions
@@ -157,6 +157,17 @@ def test_what_a_node_does_parts_runs_before_the_command(recording: Recording) ->
     shifts = node_shifts([change("a", "RUNNING", 0.0)], [change("a", "FAILURE", 0.0)], 0.0)
     found = first_parting(iter(one), iter(other), shifts, [])
     assert found == (0.0, "node", "a RUNNING", "a FAILURE")
+    halted = [*node_shifts([change("a", "RUNNING", 0.0)], [change("a", "INVALID", 0.0)], 0.0)]
+    assert first_parting(iter(one), iter(one), halted, []) == (0.0, "node", "a RUNNING", "a HALTED")
+
+
+def test_a_node_that_was_halted_is_told_so(
+    file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    halted = Difference(nodes=[NodeShift("a", ("FAILURE", 2.0), ("INVALID", 1.0))])
+    monkeypatch.setattr("humanoid_bt.cli.diff.difference", lambda *_: halted)
+    assert main(["diff", str(file), str(file)]) == 1
+    assert "a  FAILURE at 2.00 s → HALTED at 1.00 s\n" in capsys.readouterr().out
 
 
 def tree(*nodes: tuple[str, str, dict[str, Any]]) -> dict[str, Any]:
