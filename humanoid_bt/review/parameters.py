@@ -12,7 +12,7 @@ from typing import Any
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.texts import one_line
-from humanoid_bt.core.units import quantity
+from humanoid_bt.core.units import quantity, spaced
 from humanoid_bt.files import document
 from humanoid_bt.record.parts import MAGIC
 from humanoid_bt.review import setup, staged
@@ -124,6 +124,7 @@ def shown(parameter: ParameterInfo | None) -> str:
     if parameter is None:
         return "-"
     value = as_written(parameter)
+    value = value if isinstance(parameter.value, str) else spaced(value)
     return one_line(value if isinstance(value, str) else json.dumps(value))
 
 

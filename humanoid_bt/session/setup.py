@@ -20,6 +20,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.sources import Sources
+from humanoid_bt.core.units import spaced
 from humanoid_bt.files import document
 from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
@@ -30,6 +31,7 @@ from humanoid_bt.robot.model_file import model_file
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.tree.write import written
 
@@ -98,11 +100,19 @@ def tree_setup(tree: Tree, given: Mapping[str, Any]) -> dict[str, Any]:
                 "place": str(node.place),
                 "parent": node.parent,
                 "branch": node.branch,
-                "values": plain(written({**node.values, **node.written})),
+                "values": dict(_values(node)),
             }
             for node in tree.nodes
         ],
     }
+
+
+def _values(node: Node) -> Iterator[tuple[str, Any]]:
+    """Yield every parameter that a node was given, as a file holds it, with its unit."""
+    for name, value in {**node.values, **node.written}.items():
+        spec = node.type.params.get(name)
+        unit = spec.unit if spec is not None else ""
+        yield name, plain(written(spaced(value) if name in node.written else value, unit))
 
 
 def _parameters(tree: Tree, given: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:

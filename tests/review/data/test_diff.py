@@ -231,6 +231,16 @@ def test_expressions_are_compared_as_they_are_written(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(("given", "told"), [("0.35", "0.35 m"), ("35cm", "35 cm")])
+def test_values_that_were_given_are_told_with_their_units(given: str, told: str) -> None:
+    one, other = (
+        dict(SETUP({"tree": tree_setup(hbt.load("fetch", parameters=values), values)}))
+        for values in ({}, {"stop_distance": given})
+    )
+    found = [(change.part, change.before, change.after) for change in setup_changes(one, other)]
+    assert found == [("parameters", "0.4 m", told), ("tree", "0.4 m", told)]
+
+
 def test_files_and_versions_are_compared(recording: Recording) -> None:
     edited = json.loads(json.dumps(recording.setup))
     edited["files"][0]["sha256"] = "0" * 64
