@@ -19,7 +19,7 @@ from humanoid_bt.session.session import Session
 
 _SOURCE = "keyboard"
 _REASON = "a key was pressed"
-_HELP = "keys: space or e emergency stop, r reset, p pause, q quit"
+_HELP = "keys: space or e emergency stop, p pause, q quit"  # a stop that waits for a reset tells its key itself
 _PROMPT_HELP = "commands, until an empty line: help lists them; c and Enter continues"
 _ANSWERS = 1.0  # s until the next line may be typed, though the last one has no answer yet
 

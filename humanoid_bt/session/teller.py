@@ -184,9 +184,11 @@ class Teller:
             self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)
         resting = self.resting if runner.ended else "coming to a stand"
-        doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
+        doing = ": ".join(filter(None, [tip.name, shortened(tip.feedback_message)])) if tip is not None else resting
         pause = command.pause if command is not None else None
-        self._listener.progress(state.time, doing if pause is None else f"{pause}; at {doing}")
+        if pause is not None:
+            doing = f"paused at {doing}; by {pause.source}: {pause.reason}"
+        self._listener.progress(state.time, doing)
         self._ticks += 1
         if time.monotonic() - self._published >= _STATUS_PERIOD:
             self._publish(state, runner)

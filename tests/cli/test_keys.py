@@ -97,7 +97,7 @@ RUN = ("--no-record", "--no-view", "--duration", "60")
 @pytest.mark.parametrize("key", [" ", "e"])
 def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--pace", "1", "--on-estop", "end")
-    terminal.shows("keys: space or e emergency stop, r reset, p pause, q quit")
+    terminal.shows("keys: space or e emergency stop, p pause, q quit")
     terminal.shows("▶ walk")
     assert terminal.settings != terminal.before
     terminal.press("\x1b[A")  # an arrow is none of the keys
@@ -127,6 +127,8 @@ def test_keys_pause_step_and_continue(start: Callable[..., Terminal]) -> None:
     terminal.shows("▶ walk")
     terminal.press("p")
     terminal.shows("paused by keyboard: a key was pressed; c continues, n is one tick")
+    terminal.shows("paused at walk: walking; by keyboard: a key was")  # as far as 80 columns go
+    assert "reset" not in terminal.text
     terminal.press("n")
     terminal.press("c")
     terminal.shows("continued by keyboard")
