@@ -62,7 +62,7 @@ def body_row(history: History, time: float) -> Row:
     left, right = motion.foot_force[-1]
     tilt = readable(float(motion.tilt[-1]), "rad")
     base = f"{motion.speed[-1]:.2f} m/s, tilt {tilt}, base {motion.height[-1]:.2f} m high"
-    return "body", f"{gait}, {base}, feet {left:.0f} and {right:.0f} N"
+    return "body", f"{gait}, {base}, feet {left:z.0f} and {right:z.0f} N"
 
 
 def hand_row(history: History, time: float) -> Row | None:
@@ -114,7 +114,7 @@ def joint_loads(history: History, time: float) -> list[dict[str, Any]]:
 def joint_text(joint: dict[str, Any]) -> str:
     """Return what a joint bore, as a line."""
     limit = "" if joint["torque_limit"] is None else f" of {joint['torque_limit']:g}"
-    text = f"{joint['joint']} {joint['torque']:.1f}{limit} Nm"
+    text = f"{joint['joint']} {joint['torque']:z.1f}{limit} Nm"
     if joint["lower"] is not None and joint["upper"] is not None:
         bounds = f"{readable(joint['lower'], 'rad')} to {readable(joint['upper'], 'rad')}"
         text += f", at {readable(joint['position'], 'rad')} in {bounds}"

@@ -86,17 +86,17 @@ def target(resource: str, of: Target) -> str:
         case HandTarget(position=position):
             return f"{name} to {_point(position)}{_manner(of)}"
         case ArmTarget(joints=joints):
-            angles = ", ".join(f"{joint} {math.degrees(angle):.0f}" for joint, angle in joints.items())
+            angles = ", ".join(f"{joint} {math.degrees(angle):z.0f}" for joint, angle in joints.items())
             return f"{name.replace('hand', 'arm')} at {angles} deg{_at_most(of.speed, 'rad/s')}"
         case GazeTarget(point=point):
             return f"{name} at {_point(point)}"
         case PostureTarget(height=height):
-            return f"{name} {height * 100:+.1f} cm"
+            return f"{name} {height * 100:+z.1f} cm"
 
 
 def _turned(angle: float) -> str:
     """Return an angle that may have been counted over several turns [rad] in degrees, within half a turn."""
-    return f"{math.degrees(math.remainder(angle, math.tau)):.0f}"
+    return f"{math.degrees(math.remainder(angle, math.tau)):z.0f}"
 
 
 def _manner(hand: HandTarget) -> str:
@@ -137,4 +137,4 @@ def _point(position: Array) -> str:
 
 
 def _numbers(values: Array) -> str:
-    return "(" + ", ".join(f"{number:.2f}" for number in values.tolist()) + ")"
+    return "(" + ", ".join(f"{number:z.2f}" for number in values.tolist()) + ")"

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import BaseTarget
+from humanoid_bt.core.messages import ArmTarget, BaseTarget, PostureTarget
 from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.replay import Replay
 from humanoid_bt.review.words import target
@@ -17,6 +17,12 @@ from humanoid_bt.review.words import target
 def test_a_heading_is_told_within_half_a_turn(heading: float, shown: str) -> None:
     of = BaseTarget(np.array([1.0, 2.0]), math.radians(heading))
     assert target("base", of) == f"base to (1.00, 2.00) m, heading {shown} deg"
+
+
+def test_what_rounds_to_nothing_has_no_minus() -> None:
+    assert target("posture", PostureTarget(-0.0001)) == "posture +0.0 cm"
+    assert target("base", BaseTarget(np.array([-0.001, 1.0]), -0.001)) == "base to (0.00, 1.00) m, heading 0 deg"
+    assert target("left_hand", ArmTarget({"left_elbow": -0.001})) == "left arm at left_elbow 0 deg"
 
 
 @pytest.mark.parametrize(("speed", "shown"), [(12.4, "12x"), (0.042, "0.04x"), (0.0, "0x")])
