@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from humanoid_bt.review import setup
-from humanoid_bt.review.parameters import changed_parameters, same, shown
+from humanoid_bt.review.parameters import as_text, changed_parameters, same, shown
 from humanoid_bt.review.setup import NodeInfo
 
 _SETTINGS = ("mode", "body", "seed", "duration", "on_estop", "watch", "perception")
@@ -69,7 +68,7 @@ def _changes(part: str, one: Mapping[str, Any], other: Mapping[str, Any]) -> Ite
 def _shown(values: Mapping[str, Any], name: str) -> str | None:
     if name not in values:
         return None
-    return values[name] if isinstance(values[name], str) else json.dumps(values[name])
+    return as_text(values[name])
 
 
 # ---- the tree -------------------------------------------------------------------------------------------------------
@@ -119,5 +118,5 @@ def _name(path: str) -> str:
 
 
 def _described(node: NodeInfo) -> str:
-    values = ", ".join(f"{name}: {value}" for name, value in node.values.items())
+    values = ", ".join(f"{name}: {as_text(value)}" for name, value in node.values.items())
     return f"{node.type} {values}".strip()

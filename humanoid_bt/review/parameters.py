@@ -20,6 +20,7 @@ from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.review.setup import ParameterInfo
 
 _NOISE = 1e-9  # relative; a unit's factor leaves as much in a number
+_HUGE = 1e15  # from here on a float has an exponent
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,21 @@ def shown(parameter: ParameterInfo | None) -> str:
     if parameter is None:
         return "-"
     value = as_written(parameter)
-    value = value if isinstance(parameter.value, str) else spaced(value)
-    return one_line(value if isinstance(value, str) else json.dumps(value))
+    return one_line(as_text(value if isinstance(parameter.value, str) else spaced(value)))
+
+
+def as_text(value: Any) -> str:
+    """Return a plain value as people write it: a text as it is, a whole number without a point."""
+    return value if isinstance(value, str) else json.dumps(_whole(value))
+
+
+def _whole(value: Any) -> Any:
+    """Return a plain value with integers in the place of floats that are whole."""
+    if isinstance(value, list):
+        return [_whole(part) for part in value]
+    if isinstance(value, dict):
+        return {key: _whole(part) for key, part in value.items()}
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < _HUGE else value
 
 
 def as_written(parameter: ParameterInfo) -> Any:

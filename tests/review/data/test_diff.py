@@ -196,6 +196,9 @@ def test_trees_are_compared_by_their_nodes() -> None:
         ("s order", "a, b", "b, a"),
     ]
     assert changes(new, new) == []
+    assert changes(tree(("t/a", "to", {"at": [3.0, 0.5]})), tree(("t/a", "to", {"at": [0.0, 0.5]}))) == [
+        ("a at", "[3, 0.5]", "[0, 0.5]")
+    ]
     assert [c[1:] for c in changes(new, tree(("u/s", "selector", {})))] == [
         ("idle", None),
         ("wait d: 2 s", None),
