@@ -47,7 +47,9 @@ class LookAt(Skill):
         if there:
             self._error.arrived(error)
         elif not self._error.update(error, now):
-            return self.fail(f"the view comes no nearer to {self.target} than {math.degrees(self._error.best):.0f} deg")
+            best = math.degrees(self._error.best)
+            exact = f"{best:{'.0f' if best >= 1 else '.1g'}} deg"
+            return self.fail(f"the view comes no nearer to {self.target} than {exact}")
         return self.running(f"{math.degrees(error):.0f} deg from {self.target}")
 
 

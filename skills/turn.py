@@ -48,5 +48,7 @@ class Turn(Skill):
             return self.fail(f"no room to turn: {near} would be knocked against")
         self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))
         if not turns:
-            return self.fail(f"turns no farther: {math.degrees(self._to_go):z.0f} deg to go{self.robot.why_no_step()}")
+            left = math.degrees(self._to_go)
+            exact = f"{left:{'.0f' if abs(left) >= 1 else '.1g'}} deg to go"
+            return self.fail(f"turns no farther: {exact}{self.robot.why_no_step()}")
         return self.running(f"{math.degrees(self._to_go):z.0f} deg to go")

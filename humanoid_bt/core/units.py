@@ -124,6 +124,11 @@ def readable(value: object, unit: str = "", more: int = 0) -> str:
     return f"{text} {unit}" if unit else text
 
 
+def nonzero(value: float) -> str:
+    """Return a number without what is behind the point, or its first digit if nothing else would be left of it."""
+    return f"{value:z.0f}" if abs(value) >= 1 else f"{value:z.1g}"
+
+
 def readable_pair(one: object, other: object, unit: str = "") -> tuple[str, str]:
     """Return two values as people read them, with as many digits as it takes to tell them apart."""
     first, second = readable_apart((one, other), unit)

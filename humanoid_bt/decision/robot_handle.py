@@ -27,6 +27,7 @@ from humanoid_bt.core.messages import (
     touch_text,
 )
 from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.units import nonzero
 from humanoid_bt.decision.arguments import angles, how_turned, number, place, places, real, side_of, speed_of
 from humanoid_bt.decision.robot import LEVELS, Robot
 from humanoid_bt.perception.track import Track
@@ -100,7 +101,7 @@ class RobotHandle:
             return touched
         obstacle = self.state.hand_obstacles.get(side)
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
-        return f"{side} hand comes no nearer than {real(distance, 'a distance', 'm') * 100:.0f} cm{why}"
+        return f"{side} hand comes no nearer than {nonzero(real(distance, 'a distance', 'm') * 100)} cm{why}"
 
     def why_not_turned(self, side: Side, angle: float) -> str:
         """Say that a palm is turned no nearer to its target than this [rad], and what keeps it.
@@ -118,7 +119,7 @@ class RobotHandle:
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
         if limited:
             why = f": {' and '.join(limited)} {'is at its limit' if len(limited) == 1 else 'are at their limits'}"
-        return f"{side} hand turns no nearer than {math.degrees(real(angle, 'an angle', 'rad')):.0f} deg{why}"
+        return f"{side} hand turns no nearer than {nonzero(math.degrees(real(angle, 'an angle', 'rad')))} deg{why}"
 
     def why_no_step(self) -> str:
         """Say that the base stands though it is sent on, as for a way of few centimetres, "" if it does not.

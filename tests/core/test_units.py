@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from humanoid_bt.core.units import readable, readable_apart, readable_pair, written_quantity
+from humanoid_bt.core.units import nonzero, readable, readable_apart, readable_pair, written_quantity
 
 
 @pytest.mark.parametrize(
@@ -64,3 +64,10 @@ def test_all_that_differ_can_be_told_apart(values: tuple[object, ...], unit: str
 
 def test_the_digits_of_what_is_no_quantity_are_read_once() -> None:
     assert written_quantity("1" * 300_000 + "!") is None
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(118.4, "118"), (1.0, "1"), (0.97, "1"), (0.34, "0.3"), (-0.02, "-0.02"), (-0.0, "0")]
+)
+def test_a_number_that_is_not_zero_is_not_shown_as_zero(value: float, shown: str) -> None:
+    assert nonzero(value) == shown

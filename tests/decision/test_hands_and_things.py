@@ -70,6 +70,7 @@ def test_says_of_two_things_that_they_are_in_the_way(robot: Robot) -> None:
     route = way_of(robot)
     route.next("left", [1.0, 0.0, 0.0])
     assert route.why_no_nearer("left", 0.1) == "left hand comes no nearer than 10 cm: box and shelf are in the way"
+    assert route.why_no_nearer("left", 0.003).startswith("left hand comes no nearer than 0.3 cm: ")
 
 
 def test_a_way_that_is_not_shown_again_is_none(robot: Robot) -> None:

@@ -1,6 +1,7 @@
 """The skill ``turn``, alone on the simulated robot."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -77,3 +78,5 @@ def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> 
     result = rig.run("turn", angle=0.05, tolerance=0.01, patience=0.5)
     assert result.failed
     assert result.feedback == "turns no farther: 3 deg to go, for which it makes no step"
+    result = rig.run("turn", angle=0.004, tolerance=0.0001, patience=0.5)
+    assert re.fullmatch(r"turns no farther: 0\.[1-9] deg to go, for which it makes no step", result.feedback)
