@@ -112,7 +112,7 @@ def test_a_run_is_drawn_with_its_statuses(played: Played, tmp_path: Path, capsys
     assert lines[0] == "fetch: on humanoid at 1.2 s"
     assert lines[1] == "└─ ▶ emergency_stop"
     assert [line.lstrip(" │") for line in lines[-3:]] == [
-        "└─ ▶ idle",
+        "└─ ▶ idle  look_around: true",
         "→ looking around",
         "└─ ○ turn  angle: 120 deg",
     ]

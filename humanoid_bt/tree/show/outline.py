@@ -20,7 +20,7 @@ class OutlineNode:
 
     Attributes:
         path, name, type_name, kind, parent, branch: as of :class:`~humanoid_bt.tree.tree.Node`.
-        parameters: those that differ from their defaults, each as ``name: value``.
+        parameters: those that its file gives, each as ``name: value``.
         doc: one line about its type.
     """
 
@@ -134,14 +134,12 @@ def _outline_node(node: Node) -> OutlineNode:
 def _parameters(node: Node) -> list[str]:
     shown = []
     for name, value in _values(node).items():
-        spec = node.type.params.get(name)
-        if spec is None or spec.required or value != spec.default:
-            if name in node.references and (isinstance(value, Key) or name not in node.values):
-                shown.append(f"{name}: ${node.references[name]}")
-                continue
-            if name in node.written:
-                shown.append(f"{name}: {one_line(_value_text(spaced(node.written[name])))}")
-                continue
+        if name in node.references and (isinstance(value, Key) or name not in node.values):
+            shown.append(f"{name}: ${node.references[name]}")
+        elif name in node.written:
+            shown.append(f"{name}: {one_line(_value_text(spaced(node.written[name])))}")
+        else:
+            spec = node.type.params.get(name)
             unit = f" {spec.unit}" if spec is not None and spec.unit and _is_number(value) else ""
             shown.append(f"{name}: {one_line(_value_text(value))}{unit}")
     return shown

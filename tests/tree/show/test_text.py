@@ -29,13 +29,14 @@ def demo(workspace: Workspace) -> Tree:
     return load(workspace, TEXT)
 
 
-def test_unicode_tree_shows_names_types_and_parameters_that_differ(workspace: Workspace) -> None:
+def test_unicode_tree_shows_names_types_and_the_parameters_of_the_file(workspace: Workspace) -> None:
     assert unicode_tree(demo(workspace)) == (
         "demo: Show what a tree looks like.\n"
         "└─ emergency_stop\n"
         "   └─ watchdog  percept: target, max_age: 500 ms\n"
         "      ├─ go there (sequence)\n"
-        "      │  ├─ within  percept: target, distance: 0.5 m, bearing: 0.4 rad\n"
+        "      │  ├─ within  percept: target, distance: 0.5 m, hysteresis: 0.05 m,\n"
+        "      │  │       bearing: 0.4 rad\n"
         "      │  └─ approach  target: target\n"
         "      └─ on_stale: idle"
     )
@@ -52,8 +53,9 @@ def test_unicode_tree_marks_statuses(workspace: Workspace) -> None:
 def test_unicode_tree_breaks_between_parameters_to_fit(workspace: Workspace) -> None:
     lines = unicode_tree(demo(workspace), width=40).splitlines()
     assert max(map(len, lines)) <= 40
-    assert [line.strip(" │") for line in lines[6:9]] == [
+    assert [line.strip(" │") for line in lines[6:10]] == [
         "distance: 0.5 m,",
+        "hysteresis: 0.05 m,",
         "bearing: 0.4 rad",
         "└─ approach  target: target",
     ]
