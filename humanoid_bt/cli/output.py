@@ -113,6 +113,8 @@ def width() -> int:
 def columns(rows: Iterable[Sequence[str]], *, indent: int = 0, first: int = 0) -> list[str]:
     """Return rows of columns as lines; the last column is wrapped, below the others where there is no room beside.
 
+    Of a single row it stands below if one of its words, such as a path, has room only there.
+
     Args:
         rows: texts of equal number.
         indent: blanks before every line.
@@ -128,7 +130,10 @@ def columns(rows: Iterable[Sequence[str]], *, indent: int = 0, first: int = 0) -
     lines: list[str] = []
     for *cells, text in table:
         head = " " * indent + "".join(f"{cell:<{size}}  " for cell, size in zip(cells, widths, strict=True))
-        if room >= _NARROWEST:
+        longest = max(map(len, text.split()), default=0)
+        if room >= _NARROWEST and room < longest <= width() - indent - 4:
+            lines += [head, *hanging(" " * (indent + 4), text)]
+        elif room >= _NARROWEST:
             lines += hanging(head, text)
         else:
             lines += hanging(f"{'':{indent}}{cells[0]:<{widths[0]}}  ", "  ".join(filter(None, cells[1:])))

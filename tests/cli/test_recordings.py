@@ -44,10 +44,11 @@ def test_recordings_are_listed_newest_first(runs: Path, capsys: pytest.CaptureFi
 def test_a_narrow_terminal_gets_all_of_it(
     runs: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "60")
-    lines = shown(capsys, "recordings").splitlines()
-    assert max(map(len, lines)) <= 60
-    assert "    runs/fetch-20260101-120000.rrd, 2 parts" in lines
+    for width in (60, 80):
+        monkeypatch.setenv("COLUMNS", str(width))
+        lines = shown(capsys, "recordings").splitlines()
+        assert max(map(len, lines)) <= width
+        assert "    runs/fetch-20260101-120000.rrd, 2 parts" in lines
 
 
 def test_one_that_is_written_says_so(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
