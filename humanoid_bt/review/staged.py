@@ -51,4 +51,9 @@ def staged_before(history: History, cause: Cause) -> str:
         return "; a test staged it"
     if faults:
         return f"; a test staged at {when(faults[-1].time)}: {cut(faults[-1].text.removeprefix(PREFIX))}"
-    return "; a dry run, without physics" if history.setup["staged"]["dry"] else "; a test staged the run"
+    if history.setup["staged"]["dry"]:
+        return "; a dry run, without physics"
+    told_first = [event.text for event in history.events if event.text.startswith(PREFIX) and event.time <= AT]
+    if changed := "; ".join(text.removeprefix(PREFIX) for text in told_first):
+        return f"; changed by a test from the beginning: {cut(changed)}"
+    return "; a test ran it, and had done nothing to it by then"

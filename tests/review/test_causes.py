@@ -626,6 +626,22 @@ def test_a_fall_in_the_servo_cycle_that_the_last_tick_saw_is_what_ended_the_run(
     assert first_stop(history, 2.0) is None
 
 
+@pytest.mark.parametrize(
+    ("staged", "told"),
+    [
+        (
+            [(0.0, "payload 2 kg"), (0.0, "walk is replaced: failure"), (9.0, "push")],
+            "changed by a test from the beginning: payload 2 kg; walk is replaced: failure",
+        ),
+        ([(9.0, "push")], "a test ran it, and had done nothing to it by then"),
+    ],
+)
+def test_what_a_test_changed_before_it_did_anything_is_told(staged: list[tuple[float, str]], told: str) -> None:
+    events = [Happened(time, "warning", f"staged: {text}") for time, text in staged]
+    history: Any = SimpleNamespace(setup={"staged": {"told": ["all"], "dry": False}}, events=events)
+    assert staged_before(history, Cause("failed", "why", 7.2)) == f"; {told}"
+
+
 @pytest.mark.parametrize(("kind", "told"), [("fall", "5.000 s: weaken"), ("percept_lost", "7.100 s: push")])
 def test_what_a_test_did_after_balance_was_lost_is_not_told_beside_the_cause_of_a_fall(kind: str, told: str) -> None:
     staged = [Happened(5.0, "warning", "staged: weaken"), Happened(7.1, "warning", "staged: push")]
