@@ -66,7 +66,8 @@ def cause_of(history: History) -> Cause:
         began = _of_stop(history, history.stops[0])
         went_on = history.went_on(history.stops[0])
         then = f"; the robot went on at {when(went_on)}" if went_on is not None else ""
-        then = f", the first of {len(history.stops)} times{then}" if len(history.stops) > 1 else then
+        if len(history.stops) > 1:  # each is listed, with how long it lasted
+            then = f", the first of {len(history.stops)} times"
         return replace(began, headline=f"{began.headline}{then}; {ending.headline}")
     return ending
 

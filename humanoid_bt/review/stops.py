@@ -8,7 +8,7 @@ from humanoid_bt.review.cause import Row
 from humanoid_bt.review.history import History, Stopped
 from humanoid_bt.review.words import cut, when
 
-_MOST = 5  # that are listed
+_MOST = 4  # that are listed
 _SHORT = 60  # characters of why the robot was stopped
 
 

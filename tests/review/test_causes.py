@@ -237,7 +237,7 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "silent",
         {"at": 0.3, "do": held_up},
         r"the robot was stopped at 0\.400 s: decision silent for more than 100 ms; "
-        r"the last tick before it is of 0\.400 s; the run was ended at 1\.000 s, .*",
+        r"the last tick before it is of 0\.400 s; the robot went on at 0\.500 s; the run was ended at 1\.000 s, .*",
     ),
     "refused from the start": (
         "nowhere",
@@ -441,7 +441,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert found.kind == kind
     assert found.node or kind != "control"
     assert " after -" not in dict(found.rows).get("run", "")
-    assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
+    assert (("", "and 3 more") in found.after) == (len(found.data["stops"]) == 7)  # of which four are listed
     assert (("", "0.800 s the same for 0.02 s") in found.after) == (name in {"refused", "refused for seconds"})
     assert not any("NAME" in text for _, text in found.after)
     for more in (text for name, text in found.after if name == "more"):
