@@ -24,6 +24,7 @@ from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home, overlapping
 from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, odd_size, scaled_contact, scaled_gait, spin
 from humanoid_bt.robot.survey.soles import ALIGNED, angle_of, sole_axes
+from humanoid_bt.robot.survey.stride import stride
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
 _ROLES = ("hip_roll", "hip_pitch", "ankle_pitch")
@@ -41,6 +42,11 @@ _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can s
 _LEAST_TURN = 0.05  # rad that a step turns, also on hips that turn one way only
 _ANKLE = 0.15  # m at most from a sole up to the frame of its foot: that of a leg of one link is at the hip
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
+_STRIDES = {
+    "toe_off": "in long steps feet leave by the toe",
+    "heel_strike": "and land by the heel",
+    "rise": "in long steps the body is higher, on straighter knees",
+}
 
 
 @dataclass(frozen=True)
@@ -287,6 +293,9 @@ class _Writer:
             yield f"  {key}: {value:.3g}"
         if (turn := self._step_turn()) < GaitConfig.step_turn:
             yield f"  step_turn: {turn:.2f}"
+        strides = stride(self._surveyor, self._limbs, self._home, self._standing, self._width)
+        for key, value in strides.items():
+            yield f"  {key}: {value:g}    # {_STRIDES[key]}"
 
     def _whole_body(self) -> Iterator[str]:
         if self._rolls:

@@ -136,6 +136,28 @@ def test_steps_turn_less_on_hips_that_turn_little(spec: mujoco.MjSpec, adopt: Ad
     assert adopt(spec)[1].gait.step_turn == pytest.approx(0.05)
 
 
+def test_feet_roll_where_ankles_can_and_knees_straighten_where_they_are_bent(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    gait = adopt(spec)[1].gait
+    assert (gait.toe_off, gait.heel_strike) == (0.15, 0.15)
+    assert gait.rise == pytest.approx(0.02, abs=2e-3)  # as the robot's own description says
+    ankle, knee = (spec.joint(f"left_{name}") for name in ("ankle_pitch", "knee"))
+    usual, ankle.range = ankle.range.copy(), [-0.54, 0.54]  # it stands at -0.35
+    gait = adopt(spec)[1].gait
+    assert (gait.toe_off, gait.heel_strike) == (0.0, 0.0)
+    assert gait.rise > 0.0
+    ankle.range, knee.range = usual, [0.0, 0.3]
+    gait = adopt(spec)[1].gait
+    assert (gait.toe_off, gait.rise) == (0.15, 0.0)
+
+
+def test_narrow_soles_land_flat(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in ("left", "right"):
+        for geom in spec.body(f"{side}_foot").geoms:
+            geom.size[1] = min(geom.size[1], 0.022)
+    gait = adopt(spec)[1].gait
+    assert (gait.toe_off, gait.heel_strike) == (0.15, 0.0)
+
+
 def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for kind, things in (("b", spec.bodies[1:]), ("j", spec.joints), ("s", spec.sites)):
         for number, thing in enumerate(things):
@@ -489,6 +511,7 @@ def test_the_gait_of_a_small_robot_is_smaller_and_quicker(spec: mujoco.MjSpec, a
     assert small.step_forward == pytest.approx(usual.step_forward / 2, rel=0.1)
     assert small.double_support == pytest.approx(usual.double_support / 2**0.5, rel=0.1)
     assert small.tilt_stiffness == pytest.approx(usual.tilt_stiffness / 16, rel=0.1)
+    assert small.rise == pytest.approx(usual.rise / 2, rel=0.1)
     assert small.separation_min >= 2 * 0.0225 - 0.005
 
 
