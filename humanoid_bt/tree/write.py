@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import yaml
@@ -57,15 +57,17 @@ def tree_text(name: str, header: Mapping[str, Any], nodes: Sequence[Node]) -> st
     Raises:
         UserError: a parameter has a value that no file can hold.
     """
-    header = {"format": 1, **header}
-    parameters = header.get("parameters") or {}
-    header["parameters"] = {name: of for name, of in parameters.items() if not _is_default_node(of)}
-    header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
-    header |= {part: _lists_in_flow(header[part]) for part in ("parameters", "blackboard") if part in header}
     children: dict[int, list[int]] = {}
     for index, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(index)
-    document = {**header, "root": _node(nodes, 0, children)}
+    root = _node(nodes, 0, children)
+    header = {"format": 1, **header}
+    parameters = header.get("parameters") or {}
+    named = set(_names(root, parameters))
+    header["parameters"] = {name: of for name, of in parameters.items() if name in named or not _is_default_node(of)}
+    header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
+    header |= {part: _lists_in_flow(header[part]) for part in ("parameters", "blackboard") if part in header}
+    document = {**header, "root": root}
     try:
         text: str = yaml.dump(
             document, Dumper=_Dumper, sort_keys=False, width=_WIDTH, allow_unicode=True, default_flow_style=False
@@ -140,6 +142,17 @@ def _in_flow(value: Any) -> Any:
     return _FlowList(map(_in_flow, value)) if isinstance(value, list) else value
 
 
+def _names(value: Any, parameters: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the parameters that stand in plain YAML as ``$name``, and those in the nodes that are their defaults."""
+    if isinstance(value, (dict, list)):
+        for part in (*value, *value.values()) if isinstance(value, dict) else value:
+            yield from _names(part, parameters)
+    elif isinstance(value, str) and value.startswith("$") and (name := value[1:]) in parameters:
+        yield name
+        if _is_default_node(parameters[name]):
+            yield from _names(parameters[name]["default"], parameters)
+
+
 def _is_default_node(declared: Any) -> bool:
     """Return whether a parameter is a node that stands wherever it is used, since none else was given."""
     return isinstance(declared, dict) and declared.get("type") == "node" and declared.get("default") is not None
@@ -169,9 +182,12 @@ def _plain(value: Any) -> Any:
 
 
 def _branch(node: Node, branch: str, below: Any) -> Any:
-    """Return what stands for a branch: of a condition that is only an expression, its text."""
-    text = below.get("condition") if isinstance(below, dict) else None
-    return text if node.type.branches[branch].condition and isinstance(text, str) else below
+    """Return what stands for a branch: of a condition that is only an expression, its text, as text is one there."""
+    if not node.type.branches[branch].condition:
+        return below
+    if isinstance(below, str):
+        return {below: None}
+    return below["condition"] if isinstance(below.get("condition"), str) else below
 
 
 def _child(node: Node, child: Any) -> dict[str, Any]:

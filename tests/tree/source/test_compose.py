@@ -37,7 +37,7 @@ from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.compose import make_tree
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
-from tests.tree.helpers import Run, load, seen
+from tests.tree.helpers import Run, load, seen, write
 from tests.tree.ticking.test_random_trees import KEY, random_tree
 
 
@@ -209,6 +209,8 @@ def test_parameters_keys_and_sub_trees_stay_what_they_are(workspace: Workspace, 
         ("parameters: {title: so}\nroot: {log: {name: $title, text: hi}}", {"title": "other"}),
         ("root: {log: {name: $$title, text: hi}}", {}),
         ("parameters: {it: {type: node, default: {wait: 1 s}}}\nroot: {sequence: [$it, act]}", {}),
+        ("parameters: {it: {type: node, default: success}}\nroot: {guard: {condition: $it, act: }}", {}),
+        ("root: {if: {condition: {failure: }, then: success, else: act}}", {}),
         ("blackboard: {x: a}\nroot: {switch: {value: x, cases: {'': act, a: {act: {script: s}}}}}", {}),
         (
             "parameters: {w: s, l: [a]}\nroot: {for_each: {item: x, items: $l, act: {script: $w}}}",
@@ -230,6 +232,30 @@ def test_what_is_written_loads_to_the_same_tree(
     assert shape(written) == shape(tree)
     assert written.parameters == tree.parameters
     assert [key.initial for key in written.keys if key.has_initial] == [k.initial for k in tree.keys if k.has_initial]
+    assert written.to_yaml() == tree.to_yaml()
+
+
+def test_a_default_node_that_is_given_to_a_sub_tree_is_written(
+    workspace: Workspace, again: Callable[[Tree], Tree]
+) -> None:
+    write(
+        workspace,
+        "both",
+        "subtree: true\nparameters: {action: {type: node}, other: {type: node}}\nroot: {sequence: [$action, $other]}",
+    )
+    text = """\
+    parameters:
+      a: {type: node, default: {inverter: $b}}
+      b: {type: node, default: act}
+      action: {type: node, default: act}
+    root:
+      sequence:
+        - subtree: {tree: both, action: {retry: {attempts: 2, $a: }}, other: $b}
+        - $action
+    """
+    tree = load(workspace, textwrap.dedent(text))
+    written = again(tree)
+    assert shape(written) == shape(tree)
     assert written.to_yaml() == tree.to_yaml()
 
 
