@@ -63,7 +63,7 @@ def load_tree(
         path, parameters or {}, robot, scene, perception=perception, others=others, arguments=arguments
     )
     problems = _in_file_order(found, relative(path))
-    if tree is None or any(problem.severity == "error" for problem in problems):
+    if tree is None:
         raise UserError(problems)
     return replace(tree, warnings=tuple(problems))
 
@@ -123,7 +123,7 @@ class Loader:
         if root is not None:
             self.problems += check(root, world, alone=bool(file.header.get("subtree")))
             made = build(root, file.name, self.problems)
-        if root is None:
+        if root is None or any(problem.severity == "error" for problem in self.problems):
             return None
         return Tree(
             name=file.name,

@@ -60,6 +60,7 @@ def test_a_unit_that_is_given_is_written(workspace: Workspace, declared: str) ->
         ("parameters: {a: 1}\nroot: act", {}, "2:14 the parameter 'a' is not used", "use it as $a"),
         ("parameters: {speed: 1}\nroot: {plain: {count: $sped}}", {}, "unknown parameter or key '$sped'", "'speed'"),
         ("root: {plain: {count: $x}}", {}, "2:23 unknown parameter or key '$x'", "declares no parameters"),
+        ("parameters: [n: 1]\nroot: {plain: {count: $n}}", {"n": "2"}, "2:13 the parameters must be a mapping", "dashes"),
         ("root: act", {"x": "1"}, "x=1 the tree has no parameter 'x'", "declares no parameters"),
         ("parameters: {speed: 1}\nroot: {plain: {count: $speed}}", {"sped": "1"}, "sped=1", "'speed'"),
         ("parameters: {n: 1}\nroot: {plain: {count: $n}}", {"n": "two"}, "n=two 'n' must be a number", ""),
