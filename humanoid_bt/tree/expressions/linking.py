@@ -13,7 +13,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
 from humanoid_bt.tree.expressions.held import Held
-from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NODE, NUMBER, TEXT, TRUTH, Type, number, type_of
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 
 Evaluate = Callable[[Robot], Any]
@@ -167,6 +167,8 @@ class Linker:
             hint = nearest(name, self._names.known) or "the tree declares no parameters and writes no keys"
             raise self.mistake(f"unknown name {name!r}", f"{hint}; of a percept ask distance({name}) or the like")
         kind, value = found
+        if kind == NODE:
+            raise self.mistake(f"{name!r} is {NODE}", f"use it as ${name} where a node stands")
         if self._names.is_set(name) is not None:
             self.keys.append(name)
         return kind, lambda _robot: value()

@@ -32,11 +32,11 @@ class Type:
     """Type of a value.
 
     Attributes:
-        kind: what it is; ``anything`` if that is only known when it runs.
+        kind: what it is; ``anything`` if that is only known when it runs, ``node`` if it is no value.
         exponents: of a number, its dimension; None for a plain number, which goes with every unit.
     """
 
-    kind: Literal["truth", "text", "number", "anything"]
+    kind: Literal["truth", "text", "number", "node", "anything"]
     exponents: Exponents | None = None
 
     @property
@@ -50,7 +50,7 @@ class Type:
         return " ".join(f"{name}^{power}" if power != 1 else name for name, power in powers if power)
 
     def __str__(self) -> str:
-        names = {"truth": "true or false", "text": "text", "anything": "anything"}
+        names = {"truth": "true or false", "text": "text", "node": "a node", "anything": "anything"}
         if self.kind != "number":
             return names[self.kind]
         return f"a number in {self.unit}" if self.unit else "a plain number"
@@ -73,6 +73,8 @@ class Type:
 
 
 TRUTH, TEXT, NUMBER, ANYTHING = Type("truth"), Type("text"), Type("number"), Type("anything")
+NODE = Type("node")
+"""Of a parameter that stands for a node."""
 
 
 def number(unit: str) -> Type:

@@ -14,8 +14,8 @@ from humanoid_bt.core.units import base_unit
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
-from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
-from humanoid_bt.tree.source.parameters import Declaration, Parameters, meant
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NODE, NUMBER, TEXT, TRUTH, Type, number, type_of
+from humanoid_bt.tree.source.parameters import Declaration, NodeItem, Parameters, meant
 
 
 class _Written(NamedTuple):
@@ -317,4 +317,4 @@ def declared_type(spec: Param) -> Type:
     """Return the type of a declared parameter's value."""
     if spec.type in (float, int):
         return number(spec.unit)
-    return {bool: TRUTH, str: TEXT, PerceptName: TEXT}.get(spec.type, ANYTHING)
+    return {bool: TRUTH, str: TEXT, PerceptName: TEXT, NodeItem: NODE}.get(spec.type, ANYTHING)
