@@ -238,6 +238,12 @@ class Scope:
     def _judge(self, name: str, known: _Known) -> None:
         if known.broken:
             return
+        if known.place is None and name in set(self.parameters):
+            places = list(dict.fromkeys(written.place for written in known.written if written.place))
+            if places:
+                message = f"the key {name!r} has the name of a parameter of the tree, which is what its name means"
+                self._problems.append(Problem(message, places[0], "rename one of them" + also_at(places), "taken-name"))
+            return
         if known.read_at and not known.written and not known.key.has_initial:
             hint = meant(name, self.known)
             if known.place is None:

@@ -64,14 +64,15 @@ class ValueReader:
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
         draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
         literals = literals_of(node_type, values, given)
+        write = self._scope.write
         for key, value in values.items():
+            place = draft.value_places[key]
             if isinstance(value, Key):
-                place, output = draft.value_places[key], node_type.outputs.get(key)
-                draft.values[key] = self._scope.write(value.name, place, output, literals.get(value.name, ()))
+                output = node_type.outputs.get(key)
+                draft.values[key] = write(value.name, place, output, literals.get(value.name, ()))
             elif are_keys(value):
-                draft.values[key] = exchanged(
-                    value, lambda part: self._scope.write(part.name, literals=literals.get(part.name, ()))
-                )
+                parts = {part: write(part.name, place, None, literals.get(part.name, ())) for part in keys_in(value)}
+                draft.values[key] = exchanged(value, parts.__getitem__)
             else:
                 draft.values[key] = value
                 for expression in expressions_of(value):

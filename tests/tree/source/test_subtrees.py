@@ -314,6 +314,14 @@ def test_a_broken_sub_tree_is_told_once_and_with_its_own_place(workspace: Worksp
             "declared twice",
         ),
         ("blackboard: {x: 1}\nparameters: {x: 1}\nroot: {condition: x == 1}", "declared twice"),
+        (
+            "parameters: {x: a}\nroot: {for_each: {item: x, items: [s, f], act: {script: $x}}}",
+            "'x' has the name of a p",
+        ),
+        (
+            "parameters: {x: 1}\nroot: {for_each: {item: [x, y], items: [[1]], condition: x == y}}",
+            "'x' has the name of a parameter",
+        ),
         ("blackboard: {x: $y}\nroot: {condition: x == 1}", "'$y' cannot stand here: the key 'x' begins with"),
         ("blackboard: {x: {type: number}}\nroot: {condition: x == 1}", "the key 'x' is read, but nothing writes it"),
         (
