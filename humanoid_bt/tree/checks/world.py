@@ -17,6 +17,7 @@ from humanoid_bt.plant.scene_config import SceneConfig, load_scene
 from humanoid_bt.robot.config import RobotConfig, load_robot_config
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.expressions.template import Template
 
 Config = TypeVar("Config", RobotConfig, SceneConfig)
 
@@ -103,7 +104,7 @@ def _unknown_percepts(root: Draft, scene: SceneConfig | None, known: Collection[
     """Return each percept that nothing publishes once, where the tree names it first."""
     uses: dict[str, list[Place]] = {}
     for draft in root.iterate():
-        for parameter, percepts in draft.type.percepts(draft.values).items():
+        for parameter, percepts in {**_told(draft), **draft.type.percepts(draft.values)}.items():
             for percept in percepts:
                 if percept not in known:
                     written = {**draft.value_places, **draft.given_places}
@@ -118,6 +119,12 @@ def _unknown_percepts(root: Draft, scene: SceneConfig | None, known: Collection[
             by = f"the scene {scene.name!r} does not publish"
         message = f"{by} the percept {percept!r}"
         yield Problem(message, first, hint, "unknown-percept", "warning")
+
+
+def _told(draft: Draft) -> dict[str, list[str]]:
+    """Return parameter -> percepts that a node only tells people about, which need no watchdog."""
+    texts = {name: value for name, value in draft.values.items() if isinstance(value, Template)}
+    return {name: [one for part in text.expressions for one in part.percepts if one] for name, text in texts.items()}
 
 
 def _found(

@@ -55,6 +55,13 @@ def test_names_of_robots_and_scenes_are_looked_up(workspace: Workspace) -> None:
     assert hint.startswith("did you mean 'humanoid'?")
 
 
+def test_a_percept_that_is_only_told_must_be_there_too(workspace: Workspace) -> None:
+    head = "scene: ball_on_stand\n"
+    (line,) = found(workspace, head + "root: {log: 'the ball is {distance(taget)} away'}")
+    assert line == "3:13 unknown-percept the scene 'ball_on_stand' does not publish the percept 'taget'"
+    assert not found(workspace, head + "root: {log: 'the ball is {distance(target)} away'}")
+
+
 def test_a_percept_that_is_a_parameter_without_a_value_is_not_known(workspace: Workspace) -> None:
     head = "subtree: true\nscene: ball_on_stand\n"
     assert not found(workspace, head + "parameters: {p: {type: percept}}\nroot: {condition: seen(p)}")
