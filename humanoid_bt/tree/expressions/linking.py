@@ -181,6 +181,9 @@ class Linker:
 
     def _percept(self, written: str, name: str) -> tuple[Type, Evaluate]:
         percept = self._names.percept(written)
+        if self._names.is_set(written) is not None and (key := self._names.value(written)) and key[0] == TEXT:
+            message = f"{written!r} names a percept: it must be known before the run, and is a key of the blackboard"
+            raise self.mistake(message, "name the percept itself, or call the key otherwise if a percept is called so")
         if name == SEEN:
             self.percepts.append(percept)
             return TRUTH, lambda robot: robot.track(percept) is not None

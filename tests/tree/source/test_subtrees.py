@@ -333,6 +333,7 @@ def test_a_broken_sub_tree_is_told_once_and_with_its_own_place(workspace: Worksp
             "root: {sequence: [{for_each: {item: n, items: [1, 2], act: }}, {retry: {attempts: $n, act: }}]}",
             "'attempts' of 'retry' must be known before the run",
         ),
+        ("root: {for_each: {item: n, items: [cup, ball], log: '{distance(n)}'}}", "'n' names a percept: it must be"),
         (
             "root: {emergency_stop: {sequence: [{set_blackboard: {key: n, value: a}}, {reach: {target: $n}}]}}",
             "'target' of 'reach' must be known before the run",
