@@ -9,6 +9,7 @@ import yaml
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.units import is_number_text
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.expressions.fields import Fields
 from humanoid_bt.tree.node import Node
@@ -93,6 +94,8 @@ def written(value: Any, unit: str = "") -> Any:  # noqa: PLR0911 (a table of cas
     if isinstance(value, Mapping):
         return {key: written(item, unit) for key, item in value.items()}
     if isinstance(value, str):
+        if unit and is_number_text(value):
+            return f"{value} {unit}"
         return f"${value}" if value.startswith("$") else value
     return str(value) if hasattr(type(value), "from_item") else value
 

@@ -10,6 +10,7 @@ from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import needed, read_values, with_article
+from humanoid_bt.core.units import is_number_text
 from humanoid_bt.decision.blackboard import Key, are_keys, exchanged, keys_in
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
@@ -176,6 +177,8 @@ def _has_names(kind: Any) -> bool:
 def _in_another_form(value: Any, plain: Any) -> bool:
     """Return whether a value's written form says more than the value: a unit that is not the SI's."""
     if isinstance(value, bool) or not isinstance(value, (int, float, list, tuple)) or plain is None:
+        return False
+    if isinstance(plain, str) and is_number_text(plain):
         return False
     return bool(plain != (list(value) if isinstance(value, tuple) else value))
 

@@ -94,6 +94,10 @@ def test_what_is_written_in_a_unit_is_shown_and_written_in_it(workspace: Workspa
     assert "distance: 20 cm" in text
 
 
+def test_a_number_with_an_exponent_is_shown_with_its_unit(workspace: Workspace) -> None:
+    assert outline_of(load(workspace, "root: {wait: 1e-3}")).nodes[0].parameters == ("duration: 0.001 s",)
+
+
 def test_what_is_given_from_outside_is_shown_as_it_is_given(workspace: Workspace) -> None:
     tree = load(workspace, UNITS, step="90 deg", near="0.3")
     assert outline_of(tree).nodes[2].parameters == ("angle: 90 deg",)

@@ -54,6 +54,11 @@ def test_a_unit_that_is_given_is_written(workspace: Workspace, declared: str) ->
     assert again.nodes[0].values == tree.nodes[0].values == {"duration": 120.0}
 
 
+def test_a_parameter_keeps_its_unit_where_a_number_with_an_exponent_is_given(workspace: Workspace) -> None:
+    tree = load(workspace, "parameters: {x: 0.3 m}\nroot: {condition: 0 m < x}", x="1e-3")
+    assert "x: 1e-3 m\n" in tree.to_yaml()
+
+
 @pytest.mark.parametrize(
     ("text", "overrides", "message", "hint"),
     [
