@@ -323,10 +323,12 @@ class Linker:
     def _check_choice(self, syntax: grammar.Comparison) -> None:
         """Refuse what the state is compared with if it never is that."""
         for part, other in ((syntax.left, syntax.right), (syntax.right, syntax.left)):
-            if not (isinstance(part, grammar.Attribute) and part.of == "state" and isinstance(other, grammar.Literal)):
+            if not (isinstance(part, grammar.Attribute) and isinstance(other, grammar.Literal)):
                 continue
-            if (choices := STATE[part.name].choices) and other.value not in choices:
-                raise self.mistake(f"state.{part.name} is never {other.value!r}", nearest(str(other.value), choices))
+            if (choices := choices_of(part)) and other.value not in choices:
+                raise self.mistake(
+                    f"{part.of}.{part.name} is never {other.value!r}", nearest(str(other.value), choices)
+                )
 
     def _truth(self, syntax: Syntax, word: str) -> Evaluate:
         kind, value = self.link(syntax)
@@ -358,6 +360,11 @@ class Linker:
             return value
 
         return evaluate_checked
+
+
+def choices_of(syntax: Syntax) -> tuple[str, ...]:
+    """Return all texts that a part of an expression can be, none if it can be any, or is no text."""
+    return STATE[syntax.name].choices if isinstance(syntax, grammar.Attribute) and syntax.of == "state" else ()
 
 
 def constant(syntax: Syntax, evaluate: Evaluate, fixed: Collection[str] = ()) -> Any:

@@ -9,12 +9,13 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core.errors import any_of
 from humanoid_bt.core.params import param
 from humanoid_bt.core.units import readable
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions.expression import Expression
-from humanoid_bt.tree.expressions.linking import Unseen
+from humanoid_bt.tree.expressions.linking import Unseen, choices_of
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.nodes.family import cases_of, child_of, children_of
@@ -225,6 +226,8 @@ class _Switch(Choice):
         """
         wanted = self.value.type
         if wanted.kind == "text":
+            if (choices := choices_of(self.value.syntax)) and text not in choices:
+                raise ValueError(f"the case {text!r} is never chosen: {str(self.value)!r} is {any_of(choices)}")
             return None
         digits = text.removeprefix("-").lstrip()
         found = read_quantity(digits, 0)

@@ -175,6 +175,7 @@ def test_hysteresis_of_a_value_begins_anew_when_the_switch_was_left(workspace: W
     ("value", "cases", "message"),
     [
         ("state.standing", "{left: success}", "the case 'left' is never chosen: 'state.standing' is true or false"),
+        ("state.gait", "{run: success}", "'run' is never chosen: 'state.gait' is 'stand', 'step' or 'settle'"),
         ("state.time", "{'2 m': success}", "the case '2 m' is never chosen: 'state.time' is a number in s"),
         ("1 + 1", "{2: success, 2.0: failure}", "two of its cases are the number 2"),
     ],
