@@ -254,12 +254,8 @@ class Scope:
             places = list(dict.fromkeys(place for place, _ in known.read_at))
             self._problems.append(Problem(message, places[0], hint + also_at(places), code))
             return
-        kind = _of(known)
         self._problems += _misfits(name, known)
-        for place, spec in known.read_at:
-            if spec is not None and not kind.goes_with(wanted := declared_type(spec)) and not _read_as(known, spec):
-                message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
-                self._problems.append(Problem(message, place, spec.doc, _mismatch(kind, wanted)))
+        self._problems += filter(None, (_misread(name, known, place, spec) for place, spec in known.read_at if spec))
         if name in self._outputs and not known.written:
             message = f"nothing writes the output {name!r}"
             self._problems.append(Problem(message, known.place, "set_blackboard, or a skill's key", "unwritten-key"))
@@ -277,17 +273,28 @@ def _of(known: _Known) -> Type:
     return kinds.pop() if len(kinds) == 1 else ANYTHING
 
 
-def _read_as(known: _Known, spec: Param) -> bool:
-    """Return whether a parameter takes all that may be in a key, as it stands in the file: text such as 50 cm."""
-    if known.spec is not None or not all(written.literals for written in known.written):
-        return False
+def _misread(name: str, known: _Known, place: Place, spec: Param) -> Problem | None:
+    """Return what is wrong with a key that a parameter is given, if the parameter can never take what is in it."""
+    literal = known.spec is None and known.written and all(written.literals for written in known.written)
+    items = [item for written in known.written for item in written.literals] if literal else []
+    refused = [problem for item in items for problem in _refused(spec, item)]
+    kind, wanted = _of(known), declared_type(spec)
+    if not kind.goes_with(wanted) and (refused or not items):
+        message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
+        return Problem(message, place, spec.doc, _mismatch(kind, wanted))
+    if refused and all(_refused(spec, item) for item in items):
+        hint = "; ".join(filter(None, [refused[0].hint, f"${name} is used at {place}"]))
+        return replace(refused[0], hint=hint)
+    return None
+
+
+def _refused(spec: Param, item: Item) -> list[Problem]:
+    """Return what a parameter refuses a value for, as it stands in the file: not text such as 50 cm for a length."""
     try:
-        for written in known.written:
-            for item in written.literals:
-                convert(spec, item)
-    except UserError:
-        return False
-    return True
+        convert(spec, item)
+    except UserError as error:
+        return list(error.problems)
+    return []
 
 
 def _misfits(name: str, known: _Known) -> Iterator[Problem]:

@@ -389,6 +389,12 @@ def test_a_tree_cannot_give_itself_to_itself(workspace: Workspace) -> None:
             "'script' must be text, and",
         ),
         ("for_each: {item: n, items: [s, f], wait: $n}", "wrong-type", "'duration' must be a number in s"),
+        ("for_each: {item: n, items: [-1, -2], wait: $n}", "out-of-range", "'duration' must be >= 0, not -1"),
+        (
+            "sequence: [{set_blackboard: {key: n, value: loud}}, {log: {text: hi, level: $n}}]",
+            "wrong-choice",
+            "'level' cannot be 'loud'",
+        ),
     ],
 )
 def test_a_key_of_the_wrong_type_is_found_before_the_run(
@@ -416,6 +422,7 @@ TOLD = "subtree: true\noutputs: {ok: {type: boolean}}\nroot: {set_blackboard: {k
         ("", "for_each: {item: [x], items: [[1 s], [2]], wait: $x}", None),
         ("", "for_each: {item: x, items: [1 s, 2 min], wait: $x}", None),
         ("", "for_each: {item: [x, y], items: [[a], [b, 2]], log: '{x} {y}'}", None),
+        ("", "for_each: {item: x, items: [-1, 2], selector: [condition: x < 0, wait: $x]}", None),
         ("", "for_each: {item: x, items: [1, .inf], log: '{x}'}", "'x' must be finite, not inf"),
         (LENGTH, "for_each: {item: [x], items: [[5 cm], [0.2]], condition: x < 2 m}", None),
         (LENGTH, "for_each: {item: [x], items: [[5 cm], [5 s]], condition: x < 2 m}", "'x' has the unit 's'"),
