@@ -110,7 +110,7 @@ def needed(spec: Param) -> str:
         keys = [f"{name}: ..." for name, inner in params_of(typing.cast("type", kind)).items() if inner.required]
         if keys:  # some are written as text
             return f"{spec.name}: {{{', '.join(keys)}}}  # {spec.doc}"
-    return f"{spec.name}: {spec.type_name}  # {spec.doc}"
+    return f"{spec.name}: {spec.type_name}" + f"  # {spec.doc}" * bool(spec.doc)
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:

@@ -45,6 +45,15 @@ def test_parameters_go_in(workspace: Workspace) -> None:
     assert Run(tree).ticks(1) == "s"
 
 
+def test_a_parameter_that_is_missing_is_named_with_its_doc_if_it_has_one(workspace: Workspace) -> None:
+    write(workspace, "acting", ACT)
+    (problem,) = problems(workspace, "root: {subtree: acting}")
+    assert problem.hint == "script: text  # What it does."
+    write(workspace, "acting", ACT.replace(", doc: What it does.", ""))
+    (problem,) = problems(workspace, "root: {subtree: acting}")
+    assert problem.hint == "script: text"
+
+
 def test_the_short_form_names_a_tree_without_parameters(workspace: Workspace) -> None:
     write(workspace, "still", "root: {act: {script: rrs}}")
     assert Run(load(workspace, "root: {subtree: still}")).ticks(3) == "rrs"
