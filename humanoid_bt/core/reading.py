@@ -161,7 +161,8 @@ def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa
         return _convert_union(args, item, spec)
     if origin is typing.Literal:
         if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
-            hint = nearest(str(item.value), [str(a) for a in args])
+            quoted = isinstance(item.value, str) and item.value in map(str, args)
+            hint = f"write {item.value}, without quotes" if quoted else nearest(str(item.value), [str(a) for a in args])
             raise UserError(f"{spec.name!r} cannot be {_choice(item)}", item.place, hint, code="wrong-choice")
         return item.value
     if origin in (list, tuple):

@@ -27,6 +27,7 @@ class Example:
     angle: float | None = param(None, unit="rad", above=0, doc="An angle.")
     count: int = param(2, minimum=-1, doc="A count.")
     side: Literal["left", "right"] = param("left", doc="A side.")
+    form: Literal[1] = param(1, doc="A version.")
     much: Literal["all", "one"] | int = param("all", minimum=1, doc="How much.")
     target: PerceptName = param("ball", doc="A percept.")
     text: str = param("", doc="Text.")
@@ -87,6 +88,8 @@ def test_conversion(name: str, text: str, expected: Any) -> None:
         ("count", ".inf", "'count' must be finite"),
         ("side", "lft", "'side' cannot be 'lft' [wrong-choice]\n    did you mean 'left'?"),
         ("side", "[left]", "'side' cannot be a list"),
+        ("form", "'1'", "'form' cannot be '1' [wrong-choice]\n    write 1, without quotes"),
+        ("form", "2", "'form' cannot be 2 [wrong-choice]\n    valid: 1"),
         ("much", "al", "'much' must be all | one or whole number, not text 'al'"),
         ("much", "0", "'much' must be >= 1, not 0"),
         ("much", "true", "'much' must be all | one or whole number, not a boolean True"),
