@@ -19,6 +19,9 @@ from tests.campaign.stand_ins import make
 
 Conduct = Callable[..., Summary]
 
+GRID = Factor("set.stop_distance", "m", (0.35, 0.4))
+DRAWN = Factor("condition.friction", ends=(0.5, 1.2))
+
 
 def plan_of(seeds: str = "0-19", *factors: Factor, scene: str = "empty", **named: Any) -> Plan:
     return Plan("mine", (Setting("fetch", "humanoid", scene),), Seeds.parse(seeds), factors, **named)

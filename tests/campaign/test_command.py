@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,6 +26,24 @@ seeds: 0-1
 dry: true
 recordings: 0
 script: [{at: 0.1 s, raise: {node: reactive_selector}}]
+"""
+SAY = """
+from humanoid_bt import Skill, Status, param
+
+
+class Say(Skill):
+    \"\"\"Say something and fail.\"\"\"
+
+    times: int = param(1, doc="How often.")
+
+    def update(self) -> Status:
+        \"\"\"Fail.\"\"\"
+        return self.fail(f"{self.times} times")
+"""
+MINE = """
+format: 1
+parameters: {times: 3, long: 0.1, label: ""}
+root: {sequence: [{wait: $long}, {log: {text: $label}}, {say: {times: $times}}]}
 """
 
 
@@ -185,3 +204,55 @@ def test_a_tree_may_be_called_as_what_is_done_with_campaigns(
     Path("trees/compare.yaml").write_text("format: 1\nroot: {wait: 0.1 s}\n", encoding="utf-8")
     assert main(["campaign", "compare", "--dry", "--seeds", "0", "--json", "--out", "out"]) == 0
     assert json.loads(capsys.readouterr().out)["success"]["count"] == 1
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A workspace with a tree that fails at once."""
+    for place, text in {"trees/mine.yaml": MINE, "skills/say.py": SAY}.items():
+        (tmp_path / "project" / place).parent.mkdir(parents=True)
+        (tmp_path / "project" / place).write_text(text)
+    monkeypatch.chdir(tmp_path / "project")
+    return tmp_path / "project"
+
+
+def campaign(*arguments: str) -> int:
+    return main(["campaign", "mine", "--dry", "--seeds", "0", "--quiet", "--recordings", "0", *arguments])
+
+
+def test_a_trial_is_run_again_from_another_folder(
+    project: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert campaign("--out", "runs/a") == 0
+    monkeypatch.chdir(project.parent)
+    capsys.readouterr()
+    main(["campaign", "rerun", "project/runs/a", "0"])
+    told = capsys.readouterr()
+    assert "as it was, bit for bit" in told.out, told.err
+
+
+def test_what_is_drawn_is_tried_before_a_trial_runs(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert campaign("--set", "times=1 .. 3", "--out", "runs/a") == 2
+    assert "'times' must be a whole number" in capsys.readouterr().err
+    assert not (project / "runs").exists()
+
+
+def test_units_are_taken_as_run_takes_them(project: Path) -> None:
+    assert campaign("--set", "long=200ms", "--out", "runs/a") == 0
+    (factor,) = json.loads((project / "runs/a/campaign.json").read_text())["factors"]
+    assert (factor["unit"], factor["values"]) == ("s", [0.2])
+
+
+def test_results_stay_where_they_were_asked_for(project: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    (project / "skills/goes.py").write_text(f"import os\n\nos.chdir({str(tmp_path)!r})\n")
+    assert campaign("--out", "runs/a") == 0
+    assert (project / "runs/a/report.html").exists()
+
+
+def test_text_is_taken_as_run_takes_it(project: Path) -> None:
+    texts = ["12", "yes", "a: b", "[a, b]", "../a", ""]
+    assert campaign(*(f"--set=label={text}" for text in texts), "--out", "runs/a") == 0
+    assert campaign("--set", "label=../a", "--out", "runs/b") == 0
+    for folder, tried in {"a": texts, "b": ["../a"]}.items():
+        (factor,) = json.loads((project / f"runs/{folder}/campaign.json").read_text())["factors"]
+        assert factor["values"] == tried

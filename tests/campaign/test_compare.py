@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from humanoid_bt.campaign.compare import compare
 from humanoid_bt.campaign.result import Result
-from humanoid_bt.campaign.table import Table
+from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.words import verdict
 from humanoid_bt.core.errors import UserError
@@ -113,3 +115,27 @@ def test_a_cause_is_the_same_whatever_its_numbers_and_however_the_trials_ended()
     other = table(far("failure", 5.1), far("failure", 4.9), far("failure", 4.9))
     told = [[(cause.text, cause.before, cause.after) for cause in compare(one, to).causes] for to in (other, one)]
     assert told == [[("fetch/reach: … cm from target", 2, 3)], [("fetch/reach: 5.2 cm from target", 2, 2)]]
+
+
+def test_a_quantity_that_differs_by_chance_is_neither_better_nor_worse() -> None:
+    one = table_of(lambda _: True, float, "0-9")
+    other = table_of(lambda _: True, lambda seed: seed + (1.0 if seed < 8 else -1.0), "0-9")  # 8 larger, 2 smaller
+    (change,) = (change for change in compare(one, other).quantities if change.name == "hand_error")
+    assert (change.larger, change.smaller) == (8, 2)
+    for found in (compare(one, other), compare(other, one)):
+        assert (found.better, found.worse) == ([], [])
+
+
+def test_who_has_no_partner_is_counted_on_each_side() -> None:
+    few, many = table_of(lambda _: True, float, "0-3"), table_of(lambda _: True, float, "2-9")
+    assert compare(few, many).unpaired == (2, 6)
+    assert compare(many, few).unpaired == (6, 2)
+
+
+def test_what_is_true_or_false_is_no_quantity() -> None:
+    def told(value: bool) -> Table:
+        table = table_of(lambda _: True, float, "0-9")
+        rows = (Row(row.trial, replace(row.result, values={"held": value})) for row in table.rows)
+        return Table(table.plan, tuple(rows))
+
+    assert [change.name for change in compare(told(False), told(True)).quantities] == ["time"]

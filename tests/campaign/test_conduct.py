@@ -2,48 +2,27 @@
 
 from __future__ import annotations
 
-import errno
 import io
-import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import NoReturn
+from types import SimpleNamespace
+from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 
-from humanoid_bt.campaign.conduct import Progress, trial_of
-from humanoid_bt.campaign.journal import Unwritable
-from humanoid_bt.campaign.result import Result
+from humanoid_bt.campaign.conduct import Progress, conduct, trial_of
+from humanoid_bt.campaign.result import Cost, Result
 from humanoid_bt.campaign.store import RESULTS, Store, read_results
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.workers import Done
 from humanoid_bt.core.errors import UserError
-from tests.campaign.conftest import Conduct, plan_of
+from tests.campaign.conftest import DRAWN, GRID, Conduct, plan_of
 from tests.campaign.stand_ins import DIES_ONCE
 
-GRID = Factor("set.stop_distance", "m", (0.35, 0.4))
-DRAWN = Factor("condition.friction", ends=(0.5, 1.2))
-
 ROOT = Path(__file__).parents[2]
-
-
-def test_every_combination_is_a_trial() -> None:
-    plan = plan_of("0-2", GRID, DRAWN)
-    assert len(plan) == len(plan.trials) == 6
-    assert [trial.seed for trial in plan.trials] == [0, 0, 1, 1, 2, 2]
-    assert len({trial.id for trial in plan.trials}) == 6
-    first, second = plan.trials[:2]
-    assert first.part("set") == {"stop_distance": 0.35}
-    assert first.part("condition") == second.part("condition")  # what is drawn follows from the seed
-
-
-def test_a_trial_is_called_the_same_in_another_campaign() -> None:
-    ids = {(trial.seed, trial.given["set.stop_distance"]): trial.id for trial in plan_of("0-9", GRID).trials}
-    other = Factor("set.stop_distance", "m", (0.4,))
-    assert {ids[7, 0.4]} == {trial.id for trial in plan_of("7", other).trials}
 
 
 def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp_path: Path) -> None:
@@ -151,84 +130,34 @@ def test_failures_are_grouped_and_some_of_each_explained(campaign: Conduct) -> N
     assert all(found.same for found in cause.explained.values())
 
 
-def test_success_is_told_for_each_value_of_what_varies(campaign: Conduct) -> None:
-    said = campaign(plan_of("0-39", GRID, DRAWN))
-    assert list(said.levels) == ["set.stop_distance", "condition.friction"]
-    assert [(level.text, level.success.of) for level in said.levels["set.stop_distance"]] == [
-        ("0.35 m", 40),
-        ("0.4 m", 40),
-    ]
-    assert [level.success.of for level in said.levels["condition.friction"]] == [20, 20, 20, 20]
-    assert [said.table.plan.trials[number].seed for number in said.explained] == [3, 13]  # and not one seed twice
-
-
-def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_path: Path) -> None:
-    campaign(plan_of("0-3"))
-    with pytest.raises(UserError, match=r"a campaign in .* already\n.*--resume"):
-        Store(tmp_path / "out", plan_of("0-3"), resume=False)
-    with pytest.raises(UserError, match="its seeds are others"):
-        Store(tmp_path / "out", plan_of("0-4"), resume=True)
-    with pytest.raises(UserError, match=r"trees/fetch.yaml has changed"):
-        Store(tmp_path / "out", plan_of("0-3", files={"trees/fetch.yaml": "1234"}), resume=True)
-    with Store(tmp_path / "out", plan_of("0-3", description="in other words"), resume=True) as store:
-        assert len(store.results) == 4
-
-
-@pytest.mark.parametrize(
-    ("file", "written", "other"),
-    [
-        ("campaign.json", '"seeds"', '"seed"'),
-        ("journal.jsonl", '"outcome"', '"later":1,"outcome"'),
-        ("journal.jsonl", '"result"', '"results"'),
-        ("journal.jsonl", '"wall"', '"later"'),
-        ("journal.jsonl", '"cost":{', '"cost":1,"costs":{'),
-        ("explained.jsonl", '"kind"', '"later"'),
-    ],
-)
-def test_a_damaged_campaign_does_not_go_on(
-    campaign: Conduct, tmp_path: Path, file: str, written: str, other: str
-) -> None:
-    campaign(plan_of("3"))
-    path = tmp_path / "out" / file
-    path.write_text(path.read_text().replace(written, other))
-    told = rf"{file}' is damaged, or of another version"
-    with pytest.raises(UserError, match=told):
-        Store(tmp_path / "out", plan_of("3"), resume=True)
-    if other not in ('"later"', '"cost":1,"costs":{'):  # what the results are not made of
-        with pytest.raises(UserError, match=told):
-            read_results(tmp_path / "out")
-
-
-def test_a_campaign_that_never_came_to_a_trial_is_begun_anew(campaign: Conduct, tmp_path: Path) -> None:
-    with Store(tmp_path / "out", plan_of("0-3"), resume=False):
-        pass
-    assert campaign(plan_of("0-5")).planned == 6
-    assert read_results(tmp_path / "out").plan == plan_of("0-5")
-
-
-def test_a_folder_that_cannot_be_looked_into_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_folder: Path) -> NoReturn:
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-
-    monkeypatch.setattr(Path, "iterdir", refuse)
-    with pytest.raises(Unwritable, match="cannot be written: Permission denied"):
-        Store(tmp_path, plan_of("0-3"), resume=False)
-
-
-def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "thesis.tex").write_text("...")
-    with pytest.raises(UserError, match="holds no campaign"):
-        Store(tmp_path / "mine", plan_of("0-3"), resume=False)
-    for out in (tmp_path / "mine" / "thesis.tex", tmp_path / "mine" / "thesis.tex" / "x"):
-        with pytest.raises(Unwritable, match=rf"'{out}' cannot be written: Not a directory"):
-            Store(out, plan_of("0-3"), resume=False)
-    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.tex"]
-
-
 def test_a_trial_is_found_by_number_and_by_id(campaign: Conduct, tmp_path: Path) -> None:
     table = campaign(plan_of("0-3")).table
     assert trial_of(table, "2") == trial_of(table, table.rows[2].trial.id)
     with pytest.raises(UserError, match="no trial '9'"):
         trial_of(table, "9")
     assert read_results(tmp_path / "out") == table
+
+
+class _Fakes:
+    """Runs trials at once; what is recorded goes another way, and has no explanation."""
+
+    def run(self, tasks: Any) -> Any:
+        for task in tasks:
+            result = Result("failure", "again" if task.recording else "at first", "fetch/reach")
+            yield Done(task, result, Cost(2.0, 0.5))
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_recording_that_went_another_way_is_marked_and_not_made_twice(tmp_path: Path) -> None:
+    told: list[int] = []
+    progress: Any = SimpleNamespace(trial=lambda _: None, explaining=told.append, explained=lambda _: None)
+    with Store(tmp_path / "out", plan_of("0-3"), False) as store:
+        conduct(store, _Fakes(), 2, progress)
+        assert [found.same for found in store.explained.values()] == [False, False]
+        assert {found.headline for found in store.explained.values()} == {"again"}
+        assert store.share_simulating == 0.25
+        conduct(store, _Fakes(), 2, progress)  # as after --resume: nothing is left to be done
+        conduct(store, _Fakes(), 3, progress)  # one more is asked for
+    assert told == [2, 1]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.campaign.conduct import Progress, Runners, conduct, recording_of
-from humanoid_bt.campaign.digests import called, find
+from humanoid_bt.campaign.digests import called, changes, find
 from humanoid_bt.campaign.file import CampaignFile
 from humanoid_bt.campaign.planning import planned
 from humanoid_bt.campaign.result import Cost
@@ -115,3 +115,8 @@ def test_a_file_that_is_called_like_a_built_in_one_is_another(tmp_path: Path) ->
     assert names.keys() == {"skills/reach.py", str(builtin)}
     assert find(names, workspace) == names
     assert called(builtin, Workspace()) == "skills/reach.py"
+
+
+def test_files_that_only_one_side_knows_have_changed() -> None:
+    assert changes({"a": "1"}, {"a": "1", "b": "2"}) == ["b"]
+    assert changes({"a": "1", "b": "2"}, {"a": "1"}) == ["b"]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
 import yaml
 
 from humanoid_bt.campaign.planning import checked_campaign
+from humanoid_bt.campaign.stage_trials import pushes
 from humanoid_bt.cli import main
 from humanoid_bt.cli.arguments import parser
 from humanoid_bt.cli.campaign_given import campaign_given
@@ -124,3 +126,28 @@ def test_a_tree_may_be_called_as_no_campaign_can_be(
         campaign, _ = campaign_given(parser().parse_args(["campaign", "--dry", "--", what]), Workspace())
         assert campaign.name == name
         assert [item.value for item in campaign.tree.items] == [what]
+
+
+def _planned(folder: Path, **more: Any) -> Any:
+    file = folder / "campaigns" / "mine.yaml"
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(yaml.safe_dump({"format": 1, "name": "mine", "tree": "stand", **more}))
+    return checked_campaign(file, Workspace(folder)).plan
+
+
+def test_a_push_goes_ahead_and_may_come_at_the_last_moment(tmp_path: Path) -> None:
+    plan = _planned(tmp_path, pushes=[{"at": 2, "force": 10}], duration=2)
+    assert {factor.name: factor.values for factor in plan.factors} == {
+        **{"push.1.at": (2.0,), "push.1.force": (10.0,), "push.1.direction": (0.0,), "push.1.duration": (0.1,)}
+    }
+    (push,) = pushes(plan.trials[0])
+    assert push["push"]["force"] == [10.0, 0.0, 0.0]
+
+
+def test_nothing_is_named_twice_and_no_dry_run_falls(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="none of them twice"):
+        _planned(tmp_path, tree=["stand", "stand"])
+    for what in ("fell", "bumped"):
+        with pytest.raises(UserError, match=f"fail_on '{what}' needs a body"):
+            _planned(tmp_path, dry=True, fail_on=[what])
+    assert _planned(tmp_path, dry=True, fail_on=["stopped"]).fail_on == ("stopped",)

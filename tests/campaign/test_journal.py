@@ -117,3 +117,12 @@ def test_a_full_disk_keeps_what_is_there(tmp_path: Path) -> None:
     with Journal(tmp_path / "j") as journal:
         assert list(journal.entries) == list(range(int(number)))
         assert len(journal.entries) > 5
+
+
+def test_a_disk_that_says_at_the_end_that_it_is_full_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_file: int) -> None:
+        raise OSError(errno.EDQUOT, os.strerror(errno.EDQUOT))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(Unwritable, match="cannot be written: Disk quota exceeded"), Journal(tmp_path / "j") as journal:
+        journal.add(0, {"a": 1})

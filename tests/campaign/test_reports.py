@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import shlex
 from pathlib import Path
@@ -19,7 +18,7 @@ from humanoid_bt.campaign.reproduce import command
 from humanoid_bt.campaign.requirement import Verdict
 from humanoid_bt.campaign.result import Explained, Result
 from humanoid_bt.campaign.stage_trials import pushes
-from humanoid_bt.campaign.summary import Summary, percent
+from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.words import figures
@@ -68,30 +67,6 @@ def test_levels_are_told_apart_and_those_without_success_are_no_good() -> None:
     assert html(said, [], Path()).count('class="dot lost"') == 1
 
 
-def test_each_value_that_is_tried_is_a_level_of_its_own() -> None:
-    said = Summary(table_of(bool, float, "0-1", Factor("set.stop_distance", "m", (0.351, 0.354, 0.4))), {})
-    levels = said.levels["set.stop_distance"]
-    assert [(level.text, level.success.of) for level in levels] == [("0.351 m", 2), ("0.354 m", 2), ("0.4 m", 2)]
-
-
-@pytest.mark.parametrize(
-    ("share", "text"),
-    [
-        (1.0, "100 %"),
-        (0.9999, "99.99 %"),
-        (0.99951, "99.95 %"),
-        (0.9985, "99.9 %"),
-        (0.5, "50 %"),
-        (0.0001, "0.01 %"),
-        (0.00049, "0.05 %"),
-        (0.0, "0 %"),
-        (math.nan, "nan %"),
-    ],
-)
-def test_only_all_is_100_percent_and_only_none_0(share: float, text: str) -> None:
-    assert percent(share) == text
-
-
 def test_what_is_reported_with_a_sign_has_two_ends() -> None:
     told = dict(figures(Summary(table_of(lambda _: True, lambda seed: (seed - 80) / 1000), {})))
     assert told["hand error"] == "median -3 cm, 90 % from -7.5 cm to 1.4 cm"
@@ -114,6 +89,12 @@ def test_markdown_keeps_its_tables(said: Summary) -> None:
     assert len(re.findall(r"(?<!\\)\|", rows[0])) == 4
     assert "<script" not in text
     assert "✗ `success > 95 %`: success is 90 %" in text
+
+
+def test_a_requirement_is_code_in_markdown() -> None:
+    said = Summary(table_of(lambda _: True), {})
+    text = markdown(said, [Verdict("time_p95 < 20 s", True, "time_p95 is 10 s")], Path("runs/a"))
+    assert "✓ `time_p95 < 20 s`: time_p95 is 10 s" in text
 
 
 def test_a_comparison_for_a_pull_request() -> None:

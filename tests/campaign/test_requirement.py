@@ -93,3 +93,11 @@ def test_what_only_successes_have_meets_nothing_without_any(text: str, met: bool
 def test_no_trial_meets_nothing() -> None:
     verdict = _requirement("success != 1").judge(Summary(Table.of(plan_of(), {}), {}))
     assert (verdict.met, verdict.why) == (False, "success is not known: no trial is done")
+
+
+def test_a_share_is_refused_on_either_side_of_and() -> None:
+    for text in ("success >= 95 and fell == 0", "fell == 0 and success >= 95", "fell == 0 or success >= 95"):
+        with pytest.raises(UserError, match="'success' is a share"):
+            Requirement(Truth.parse(text), {})
+    with pytest.raises(UserError, match=r"did you mean 100 %"):
+        Requirement(Truth.parse("success >= 100"), {})
