@@ -7,8 +7,12 @@ import pytest
 
 from humanoid_bt.core.messages import Percept
 from humanoid_bt.decision.giving_way import GivingWay
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.robot_handle import RobotHandle
+from humanoid_bt.decision.surroundings import Surroundings
 from humanoid_bt.robot.config import GaitConfig
 from tests.decision.watched import watched
+from tests.tree.helpers import make_state
 
 HERE, AHEAD = np.zeros(2), np.array([3.0, 0.0])
 ROOM, HALF = 0.4, 0.2  # m: how near a cart may come, and half of its width
@@ -115,3 +119,14 @@ def test_steps_away_from_one_thing_and_not_as_far_from_all() -> None:
     place = way_of(0.5, 0.0, box=(-0.75, 0.0)).away(HERE, ignore=())
     assert place is not None
     assert place[0] < 0
+
+
+def test_a_robot_that_stands_deep_in_something_steps_toward_where_it_ends(robot: Robot) -> None:
+    robot.begin_tick(
+        make_state(), {"crowd": Percept("crowd", 0.0, np.array([1.0, 0.0, 0.0]), 0.9, np.array([4.0, 4.0, 1.0]))}
+    )
+    around = Surroundings(RobotHandle(robot, "walk", ("base",)))
+    around.look()
+    away = GivingWay(around, GaitConfig(), 0.4).away(np.zeros(2), ())
+    assert away is not None
+    assert away.tolist() == pytest.approx([-0.05, 0.0])

@@ -12,20 +12,9 @@ import pytest
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
 from humanoid_bt.core.messages import RESOURCES, SIGHT, Percept, State
-from humanoid_bt.decision.hand_route import HandRoute
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 from tests.tree.helpers import make_robot, make_state, seen
-
-
-@pytest.fixture
-def clock() -> CycleClock:
-    return CycleClock()
-
-
-@pytest.fixture
-def robot(clock: CycleClock) -> Robot:
-    return make_robot(clock)
 
 
 def standing(x: float, y: float, yaw: float, time: float = 0.0) -> State:
@@ -63,6 +52,14 @@ def test_a_track_says_where_the_thing_is(robot: Robot) -> None:
     np.testing.assert_allclose(track.position_base, [2.0, 2.0, -0.3], atol=1e-12)
     assert (track.distance, track.bearing) == pytest.approx((math.sqrt(8), math.pi / 4))
     assert (track.name, track.stamp, track.confidence) == ("ball", 0.0, 0.7)
+
+
+def test_a_box_points_within_half_a_turn(robot: Robot) -> None:
+    turned = dataclasses.replace(make_state(), base_quaternion=np.array([math.cos(1.5), 0.0, 0.0, math.sin(1.5)]))
+    robot.begin_tick(turned, {"box": Percept("box", 0.0, np.ones(3), 0.9, np.ones(3), heading=1.0)})
+    box = robot.track("box")
+    assert box is not None
+    assert box.heading_world == pytest.approx(4.0 - math.tau)
 
 
 @pytest.mark.parametrize("late", [0.059, 1.9, 8.0])
@@ -195,34 +192,6 @@ def test_a_hand_that_the_robot_lacks_is_not_commanded(clock: CycleClock) -> None
     assert not handle.targets
 
 
-def test_a_hand_that_the_robot_lacks_has_no_way(robot: Robot) -> None:
-    robot.begin_tick(dataclasses.replace(make_state(), hands={"left": np.zeros(3)}), {})
-    route = HandRoute(RobotHandle(robot, "t/reach", RESOURCES))
-    with pytest.raises(HumanoidBtError, match="the robot has no right hand"):
-        route.next("right", (0, 0, 1))
-    with pytest.raises(ValueError, match="a side is 'left' or 'right', not 'up'"):
-        route.next("up", (0, 0, 1))  # type: ignore[arg-type]  # what a user may write
-
-
-@pytest.mark.parametrize(("height", "blocked"), [(0.0, "shelf"), (0.25, ""), (-0.25, "")])
-def test_a_palm_goes_straight_below_and_above_what_is_far_enough_from_its_way(
-    robot: Robot, height: float, blocked: str
-) -> None:
-    shelf = Percept("shelf", 0.0, np.array([0.5, 0.0, height]), 0.9, np.array([0.2, 1.0, 0.1]))
-    robot.begin_tick(make_state(), {"shelf": shelf})
-    route, goal = HandRoute(RobotHandle(robot, "t/reach", RESOURCES)), [1.0, 0.0, 0.0]
-    assert np.array_equal(route.next("left", goal), goal) == (not blocked)
-    assert route.blocked == blocked
-
-
-def test_a_palm_below_something_is_drawn_back_first(robot: Robot) -> None:
-    table = Percept("table", 0.0, np.array([0.5, 0.0, 0.0]), 0.9, np.array([0.8, 2.0, 0.04]))
-    palm = np.array([0.4, 0.2, -0.15])
-    robot.begin_tick(dataclasses.replace(make_state(), hands={"left": palm}), {"table": table})
-    back = HandRoute(RobotHandle(robot, "t/reach", RESOURCES)).next("left", [0.8, 0.2, 0.3])
-    assert back[0] < 0.2 and back[2] == palm[2]
-
-
 @pytest.mark.parametrize("turns", [-1, 1, 200])
 def test_a_heading_is_the_same_after_full_turns(robot: Robot, turns: int) -> None:
     robot.begin_tick(make_state(), {})
@@ -286,6 +255,17 @@ def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
     assert robot.routes == []
     handle.show_route([[0.0, 0.0]])
     robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.02), {})
+    assert robot.routes == []
+
+
+def test_a_way_that_is_not_shown_again_is_none(robot: Robot) -> None:
+    handle = RobotHandle(robot, "walk", ("base",))
+    robot.begin_tick(make_state(), {})
+    handle.walk_to([1.0, 0.0], 0.0)
+    handle.show_route([[0.0, 0.0], [1.0, 0.0]])
+    assert len(robot.routes) == 1
+    robot.begin_tick(make_state(0.02), {})
+    handle.walk_to([1.0, 0.0], 0.0)
     assert robot.routes == []
 
 

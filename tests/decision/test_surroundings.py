@@ -9,15 +9,17 @@ import pytest
 
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.messages import Percept
+from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.decision.surroundings import Surroundings
 from tests.decision.watched import watched
-from tests.tree.helpers import make_robot, make_state
+from tests.tree.helpers import make_state
 
 
 @pytest.mark.parametrize(("size", "named"), [([0.4, 0.4, 0.8], ()), (None, ("cart",))], ids=["solid", "named"])
-def test_what_has_gone_is_a_change_and_no_obstacle(size: list[float] | None, named: tuple[str, ...]) -> None:
-    robot = make_robot(CycleClock())
+def test_what_has_gone_is_a_change_and_no_obstacle(
+    robot: Robot, size: list[float] | None, named: tuple[str, ...]
+) -> None:
     around = Surroundings(RobotHandle(robot, "walk", ("base",)), named)
     cart = Percept("cart", 0.0, np.array([1.0, 0.0, -0.4]), 0.9, None if size is None else np.array(size))
     seen = []
@@ -96,3 +98,25 @@ def test_what_was_put_elsewhere_is_not_thought_to_fly_on() -> None:
         assert np.linalg.norm(around.velocities) < 1.6
     np.testing.assert_allclose(around.velocities, [[0.0, 0.0]], atol=0.01)
     np.testing.assert_allclose(around.place("cart"), [2.0, 0.5], atol=0.01)
+
+
+@pytest.mark.parametrize(("far", "moved"), [(1.0, {"cart"}), (6.0, set())])
+def test_what_is_far_is_seen_less_exactly_and_has_not_moved(far: float, moved: set[str]) -> None:
+    def seen(now: float) -> list[Percept]:
+        return [Percept("cart", now, np.array([far, 0.15 * (now > 1.0), 0.0]), 0.9, np.array([0.4, 0.4, 0.7]))]
+
+    assert watched(seen, 3.0).movers == moved
+
+
+def test_what_is_told_to_be_gone_again_and_again_has_the_size_that_it_had(robot: Robot, clock: CycleClock) -> None:
+    around = Surroundings(RobotHandle(robot, "walk", ("base",)))
+    cart = Percept("cart", 0.0, np.array([2.0, -1.0, -0.4]), 0.9, np.array([1.6, 1.6, 0.7]))
+    for tick in range(25):
+        now = tick / 10
+        clock.cycle = 100 * tick
+        seen = replace(cart, stamp=now, position=np.array([2.0, -1.0 + 0.5 * min(now, 1.9), -0.4]))
+        if tick >= 20:
+            seen = replace(seen, confidence=0.0, size=None)
+        robot.begin_tick(make_state(now), {"cart": seen})
+        around.look()
+    assert around.obstacles.halves.tolist() == [[0.8, 0.8]]  # it goes on, as large as it is

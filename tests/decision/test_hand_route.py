@@ -1,4 +1,4 @@
-"""Ways of hands round things, and things as they are seen."""
+"""Ways of palms over what is solid."""
 
 from __future__ import annotations
 
@@ -8,21 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.clock import CycleClock
+from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import RESOURCES, Percept, State
-from humanoid_bt.decision.giving_way import GivingWay
 from humanoid_bt.decision.hand_route import HandRoute
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.robot_handle import RobotHandle
-from humanoid_bt.decision.surroundings import Surroundings
-from humanoid_bt.robot.config import GaitConfig
-from tests.decision.watched import watched
-from tests.tree.helpers import make_robot, make_state
-
-
-@pytest.fixture
-def robot() -> Robot:
-    return make_robot(CycleClock())
+from tests.tree.helpers import make_state
 
 
 def box(name: str, position: tuple[float, ...], size: tuple[float, ...], heading: float = 0.0) -> Percept:
@@ -73,29 +64,28 @@ def test_says_of_two_things_that_they_are_in_the_way(robot: Robot) -> None:
     assert route.why_no_nearer("left", 0.003).startswith("left hand comes no nearer than 0.3 cm: ")
 
 
-def test_a_way_that_is_not_shown_again_is_none(robot: Robot) -> None:
-    handle = RobotHandle(robot, "walk", ("base",))
-    robot.begin_tick(make_state(), {})
-    handle.walk_to([1.0, 0.0], 0.0)
-    handle.show_route([[0.0, 0.0], [1.0, 0.0]])
-    assert len(robot.routes) == 1
-    robot.begin_tick(make_state(0.02), {})
-    handle.walk_to([1.0, 0.0], 0.0)
-    assert robot.routes == []
+def test_a_hand_that_the_robot_lacks_has_no_way(robot: Robot) -> None:
+    robot.begin_tick(dataclasses.replace(make_state(), hands={"left": np.zeros(3)}), {})
+    route = way_of(robot)
+    with pytest.raises(HumanoidBtError, match="the robot has no right hand"):
+        route.next("right", (0, 0, 1))
+    with pytest.raises(ValueError, match="a side is 'left' or 'right', not 'up'"):
+        route.next("up", (0, 0, 1))  # type: ignore[arg-type]  # what a user may write
 
 
-@pytest.mark.parametrize(("far", "moved"), [(1.0, {"cart"}), (6.0, set())])
-def test_what_is_far_is_seen_less_exactly_and_has_not_moved(far: float, moved: set[str]) -> None:
-    def seen(now: float) -> list[Percept]:
-        return [Percept("cart", now, np.array([far, 0.15 * (now > 1.0), 0.0]), 0.9, np.array([0.4, 0.4, 0.7]))]
+@pytest.mark.parametrize(("height", "blocked"), [(0.0, "shelf"), (0.25, ""), (-0.25, "")])
+def test_a_palm_goes_straight_below_and_above_what_is_far_enough_from_its_way(
+    robot: Robot, height: float, blocked: str
+) -> None:
+    shelf = box("shelf", (0.5, 0.0, height), (0.2, 1.0, 0.1))
+    robot.begin_tick(make_state(), {"shelf": shelf})
+    route, goal = way_of(robot), [1.0, 0.0, 0.0]
+    assert np.array_equal(route.next("left", goal), goal) == (not blocked)
+    assert route.blocked == blocked
 
-    assert watched(seen, 3.0).movers == moved
 
-
-def test_a_robot_that_stands_deep_in_something_steps_toward_where_it_ends(robot: Robot) -> None:
-    robot.begin_tick(make_state(), {"crowd": box("crowd", (1.0, 0.0, 0.0), (4.0, 4.0, 1.0))})
-    around = Surroundings(RobotHandle(robot, "walk", ("base",)))
-    around.look()
-    away = GivingWay(around, GaitConfig(), 0.4).away(np.zeros(2), ())
-    assert away is not None
-    assert away.tolist() == pytest.approx([-0.05, 0.0])
+def test_a_palm_below_something_is_drawn_back_first(robot: Robot) -> None:
+    table = box("table", (0.5, 0.0, 0.0), (0.8, 2.0, 0.04))
+    robot.begin_tick(hand_at((0.4, 0.2, -0.15)), {"table": table})
+    back = way_of(robot).next("left", [0.8, 0.2, 0.3])
+    assert back[0] < 0.2 and back[2] == -0.15
