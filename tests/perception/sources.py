@@ -3,6 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
+
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import choose, written
+from humanoid_bt.plant.scene import load_scene
 
 HEAD = """
 import time
@@ -74,6 +82,19 @@ class Floods(PerceptSource):
             yield Percept(self.name, now.time, (1, 0, 0), 0.9)
 
 
+class Textless(PerceptSource):
+    """Raise what cannot say what it is."""
+
+    name: PerceptName = param("textless", doc="Percept that it publishes.")
+
+    def look(self, now):
+        class Odd(Exception):
+            def __str__(self):
+                raise RuntimeError("no text")
+
+        raise Odd
+
+
 class Wordless(PerceptSource):
     """Do not say why it sees nothing."""
 
@@ -104,6 +125,21 @@ class Fails(PerceptSource):
         return []
 '''
 
+LATE = '''
+class Late(PerceptSource):
+    """See nothing until half a second has passed, and say how long that is."""
+
+    name: PerceptName = param("late", doc="Percept that it publishes.")
+
+    def look(self, now):
+        self.given = now
+        self.now = now.time
+        return [Percept(self.name, now.time, (1, 0, 0), 0.9)] if now.time > 0.35 else []
+
+    def why_unseen(self, name):
+        return f"nothing at {self.now:.1f} s"
+'''
+
 
 def write(folder: Path, name: str, text: str) -> Path:
     """Write a file of sources into a workspace."""
@@ -111,3 +147,11 @@ def write(folder: Path, name: str, text: str) -> Path:
     path = folder / "perception" / name
     path.write_text(HEAD + text, encoding="utf-8")
     return path
+
+
+def problems(workspace: Workspace, sources: Any) -> str:
+    """Return what is told of sources that cannot be chosen."""
+    config = load_scene(workspace.find_scene("ball_on_stand"))
+    with pytest.raises(UserError) as caught:
+        choose(written(sources), workspace, config)
+    return str(caught.value)

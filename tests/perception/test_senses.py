@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,33 @@ from humanoid_bt.perception.choice import choose, simulated, written
 from humanoid_bt.perception.senses import Senses, new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.perception.source import Moment, PerceptSource
-from humanoid_bt.perception.worker import PerceptError, checked
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.testing.source_rig import SourceTrial
-from tests.perception.sources import BAD, SIGN, write
+from tests.perception.sources import LATE, SIGN, write
+
+BLOCKS = '''
+class Sleeps(PerceptSource):
+    """Do not come back."""
+
+    patience = 5.0
+    name: PerceptName = param("slept", doc="Percept that it publishes.")
+
+    def look(self, now):
+        while True:
+            time.sleep(0.001)
+'''
+TWO = """
+format: 1
+name: two
+objects:
+  ball: {shape: ball, size: [8 cm], color: orange, position: [1.0, 0.1, 0.85], stand: true}
+  cube: {shape: box, size: [0.1, 0.1, 0.1], color: blue, position: [1.0, -0.3, 0.85], stand: true}
+percepts:
+  target: {object: ball}
+  other: {object: cube}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -30,36 +51,57 @@ def robot() -> RobotModel:
     return RobotModel(load_robot_config(Workspace().find_robot("humanoid")))
 
 
-@pytest.fixture
-def workspace(tmp_path: Path) -> Workspace:
-    write(tmp_path, "door_sign.py", SIGN)
-    write(tmp_path, "bad.py", BAD)
-    return Workspace(tmp_path)
-
-
 def here(time: float) -> Truth:
     ahead = np.array([1.0, 0.0, 0.0])
     return Truth(time, np.array([0, 0, 0.7]), np.array([1.0, 0, 0, 0]), np.array([0.1, 0, 1.2]), ahead)
 
 
+@pytest.fixture
+def senses(workspace: Workspace, robot: RobotModel) -> Iterator[Callable[..., Any]]:
+    """Makes what sources see, and has begun to look."""
+    made = list[Any]()
+
+    def make(sources: Any, seed: int = 0, scene: str = "ball_on_stand", waits: bool = True) -> Any:
+        room = Scene(load_scene(workspace.find_scene(scene)), seed)
+        made.append(new_perception(choose(written(sources), workspace, room.config), robot, room, waits=waits))
+        made[-1].start()
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.close()
+
+
+def watch(senses: Any, *times: float, of: object = None) -> tuple[list[Percept], list[str]]:
+    """Return what is published and told when sources look at these times."""
+    percepts, news = list[Percept](), list[str]()
+    for time in times:
+        percepts += senses.observe(here(time), of)
+        news += [text for _, text in senses.take_news()]
+    return percepts, news
+
+
+@pytest.fixture
+def late(workspace: Workspace, senses: Callable[..., Any]) -> Any:
+    """The source that sees something only later."""
+    write(workspace.root, "late.py", LATE)
+    return senses("late")
+
+
 class Seen:
     """What sources publish in half a minute, asked as an engine does."""
 
-    def __init__(self, workspace: Workspace, robot: RobotModel, sources: Any, seed: int = 0) -> None:
-        scene = Scene(load_scene(workspace.find_scene("ball_on_stand")), seed)
-        chosen = choose(written(sources), workspace, scene.config)
-        self.senses = new_perception(chosen, robot, scene, waits=True)
-        self.senses.start()
+    def __init__(self, senses: Any) -> None:
+        self.senses = senses
         self.percepts: list[Percept] = []
         self.news: list[str] = []
-        self.robot = robot
 
     def watch(self, until: float) -> Seen:
         ticks = round(self.senses.period / 0.02)
         begin, end = round(getattr(self, "now", 0.0) / 0.02), round(until / 0.02)
-        for tick in range(begin, end, ticks):
-            self.percepts += self.senses.observe(here(tick * 0.02))
-            self.news += [text for _, text in self.senses.take_news()]
+        percepts, news = watch(self.senses, *(tick * 0.02 for tick in range(begin, end, ticks)))
+        self.percepts += percepts
+        self.news += news
         self.now = until
         return self
 
@@ -68,16 +110,8 @@ class Seen:
 
 
 @pytest.fixture
-def seen(workspace: Workspace, robot: RobotModel) -> Iterator[Any]:
-    made: list[Seen] = []
-
-    def make(sources: Any, seed: int = 0) -> Seen:
-        made.append(Seen(workspace, robot, sources, seed))
-        return made[-1]
-
-    yield make
-    for one in made:
-        one.senses.close()
+def seen(senses: Callable[..., Any]) -> Callable[..., Seen]:
+    return lambda sources, seed=0: Seen(senses(sources, seed))
 
 
 def test_the_tracker_alone_is_the_simulated_perception(seen: Any) -> None:
@@ -95,6 +129,12 @@ def test_each_source_looks_at_its_own_rate(seen: Any) -> None:
     assert (sign.class_name, sign.position.flags.writeable) == ("sign", False)
 
 
+def test_a_source_whose_look_was_missed_looks_as_soon_as_it_can(senses: Any) -> None:
+    sign = senses("door_sign")
+    percepts, _ = watch(sign, 0.0, 0.02, 0.06, 0.08, 0.14)  # the look at 0.04 s never came, nor that at 0.12 s
+    assert [percept.stamp for percept in percepts] == pytest.approx([0.0, 0.06, 0.08, 0.14])
+
+
 def test_the_seed_decides_what_a_source_draws(seen: Any) -> None:
     first, again, other = (
         [percept.position[0] for percept in seen("door_sign", seed).watch(0.2).percepts] for seed in (3, 3, 4)
@@ -102,9 +142,23 @@ def test_the_seed_decides_what_a_source_draws(seen: Any) -> None:
     assert first == again != other
 
 
+def test_two_sources_of_one_name_draw_numbers_of_their_own(senses: Any) -> None:
+    percepts, _ = watch(senses([{"door_sign": {"sign": "a"}}, {"door_sign": {"sign": "b"}}]), 0.0)
+    first, second = (percept.position[0] for percept in percepts)
+    assert first != second
+
+
 def test_the_tracker_gives_way_to_who_publishes_a_percept_of_its(seen: Any) -> None:
     watched = seen(["tracker", {"door_sign": {"sign": "target"}}]).watch(0.2)
     assert {percept.class_name for percept in watched.percepts} == {"sign"}
+
+
+def test_a_tracker_that_publishes_only_some_of_the_scene_publishes_no_more(senses: Any, tmp_path: Path) -> None:
+    (tmp_path / "sim/scenes").mkdir(parents=True)
+    (tmp_path / "sim/scenes/two.yaml").write_text(TWO)
+    tracker = senses({"tracker": {"only": ["other"]}}, scene="two")
+    percepts, _ = watch(tracker, 0.0)
+    assert ({percept.name for percept in percepts}, list(tracker.names)) == ({"other"}, ["other"])
 
 
 @pytest.mark.parametrize(
@@ -130,6 +184,15 @@ def test_a_source_that_fails_is_off_and_told_and_the_others_go_on(seen: Any, nam
         assert "is off" in watched.senses.unseen["flood"]
 
 
+def test_a_source_whose_exception_has_no_text_is_off_and_the_others_go_on(senses: Any) -> None:
+    percepts, news = watch(senses(["textless", "door_sign"]), 0.0, 0.1)
+    assert {percept.name for percept in percepts} == {"sign"}
+    (told,) = news
+    assert told.startswith(
+        "the percept source 'textless' is off: it raised Odd: (its text cannot be made: RuntimeError)"
+    )
+
+
 @pytest.mark.parametrize("patience", ["1e300", "float('inf')"])
 def test_a_source_may_have_patience_without_end(workspace: Workspace, seen: Any, patience: str) -> None:
     patient = SIGN.replace("DoorSign", "Patient").replace("rate = ", f"patience = {patience}; rate = ")
@@ -137,10 +200,47 @@ def test_a_source_may_have_patience_without_end(workspace: Workspace, seen: Any,
     assert seen("patient").watch(0.1).times("sign")
 
 
+def test_a_source_that_nobody_waits_for_is_off_when_its_patience_is_over(
+    senses: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(tmp_path, "sleeps.py", BLOCKS)
+    both = senses("sleeps", waits=False)
+    now = [100.0]
+
+    class Clock:
+        @staticmethod
+        def monotonic() -> float:
+            return now[0]
+
+    monkeypatch.setattr("humanoid_bt.perception.worker.time", Clock)
+    assert watch(both, 0.0)[1] == []
+    now[0] += 4.9
+    assert watch(both, 0.5)[1] == []
+    now[0] += 0.2
+    assert watch(both, 1.0)[1] == ["the percept source 'sleeps' is off: it has been at it for more than 5 s"]
+
+
 def test_what_is_never_published_says_why(seen: Any) -> None:
     watched = seen(["tracker", "door_sign"])
     assert watched.senses.unseen["target"] == "perception has not looked yet"
     assert "sign" not in watched.watch(0.1).senses.unseen
+
+
+def test_why_a_source_sees_nothing_is_asked_in_each_look_and_forgotten_once_it_sees(late: Any) -> None:
+    assert late.unseen == {"late": "perception has not looked yet"}
+    for time in (0.0, 0.1, 0.3):
+        watch(late, time)
+        assert late.unseen == {"late": f"nothing at {time:.1f} s"}
+    percepts, _ = watch(late, 0.4)
+    assert ([percept.name for percept in percepts], late.unseen) == (["late"], {})
+    watch(late, 0.5)
+    assert late.unseen == {}
+
+
+def test_what_a_source_saw_before_it_failed_is_not_among_what_was_never_seen(senses: Any) -> None:
+    raises = senses("raises")
+    percepts, news = watch(raises, 0.4, 0.5)
+    assert ([percept.name for percept in percepts], len(news), raises.unseen) == (["raised"], 1, {})
 
 
 def test_what_looks_at_the_simulation_is_known_and_publishes_nothing_when_it_is_off(
@@ -158,108 +258,29 @@ def test_what_looks_at_the_simulation_is_known_and_publishes_nothing_when_it_is_
         senses.close()
 
 
-GOOD = Percept("cup", 1.0, np.array([1.0, 0, 0]), 0.5)
+def test_without_pictures_only_the_sources_that_need_some_are_off(senses: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Broken:
+        why_none = "the camera is gone"
+
+        def __init__(self, *_: object) -> None: ...
+
+        def open(self) -> None: ...
+
+        def look(self, *_: object) -> None: ...
+
+        def close(self) -> None: ...
+
+    monkeypatch.setattr("humanoid_bt.perception.senses.Eyes", Broken)
+    both = senses(["color_blob", "door_sign"])
+    percepts, news = watch(both, 0.0, 0.04, 0.08, of=object())
+    assert [percept.name for percept in percepts] == ["sign"] * 3
+    assert news == ["the percept source 'color_blob' is off: it has no picture: the camera is gone"]
 
 
-@pytest.mark.parametrize(
-    ("given", "why"),
-    [
-        (None, "gave None"),
-        (GOOD, "gave a percept, and must give a list"),
-        (["cup"], "which is no Percept"),
-        ([GOOD, GOOD], "'cup' twice"),
-        ([Percept("bowl", 1.0, GOOD.position, 0.5)], "'bowl', which it does not publish: it publishes cup"),
-        ([Percept("cup", 1.0, np.array([1.0, np.nan, 0]), 0.5)], "has the position"),
-        ([Percept("cup", 1.0, np.zeros(2), 0.5)], "has the position"),
-        ([Percept("cup", 1.0, GOOD.position, 1.5)], "confidence 1.5: it is from 0 to 1"),
-        ([Percept("cup", 9.0, GOOD.position, 0.5)], "it was not seen yet"),
-        ([Percept("cup", -99.0, GOOD.position, 0.5)], "has the stamp of 100 s ago: .* of 60 s"),
-        ([Percept("cup", 1.0, 2000 * GOOD.position, 0.5)], "is 2000 m away: positions are in metres"),
-        ([Percept("cup", 1.0, GOOD.position, 0.5, size=np.array([1, 0, 1]))], "lengths are above 0"),
-        ([Percept("cup", 1.0, GOOD.position, 0.5, orientation=np.ones(4))], "a unit quaternion"),
-        ([Percept("cup", 1.0, GOOD.position, 0.5, covariance=-np.eye(3))], "not symmetric and positive"),
-        ([Percept("cup", 1.0, GOOD.position, 0.5, covariance=np.full((2, 2), np.nan))], r"\[nan, nan\], \[nan, nan\]"),
-        ([Percept("cup", 1.0, GOOD.position, 0.5, class_name=3)], "no text"),  # type: ignore[arg-type]  # the mistake that is tried
-    ],
-)
-def test_only_sound_percepts_of_its_own_are_published(given: Any, why: str) -> None:
-    with pytest.raises(PerceptError, match=why.replace("(", r"\(")):
-        checked(given, ["cup"], 1.0)
-
-
-def problems(workspace: Workspace, sources: Any) -> str:
-    config = load_scene(workspace.find_scene("ball_on_stand"))
-    with pytest.raises(UserError) as caught:
-        choose(written(sources), workspace, config)
-    return str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("sources", "message"),
-    [
-        ("door_sing", r"no percept source named 'door_sing' .*\n.*did you mean 'door_sign'"),
-        ({"door_sign": {"ahead": "2 kg"}}, r"'ahead' has the unit 'kg'"),
-        ({"door_sign": {"ahed": 2}}, r"unknown parameter 'ahed' of 'door_sign'"),
-        ({"door_sign": [2]}, "the parameters of the source 'door_sign' must be a mapping, not a list"),
-        (["door_sign", "door_sign"], "two sources publish the percept 'sign'"),
-        ({"tracker": {"only": ["cup"]}}, "the scene 'ball_on_stand' has no percept 'cup'"),
-        ([], "'perception' names no source"),
-        (3, "a percept source must be named, and this is a number"),
-    ],
-)
-def test_wrong_names_and_parameters_are_told(workspace: Workspace, sources: Any, message: str) -> None:
-    assert re.search(message, problems(workspace, sources))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("x = 1\n", r"wrong.py:1:1: error: this file has no percept source \[broken-source\]"),
-        ("import nothing_here\n", r"wrong.py:4:1: error: the file of percept sources cannot be imported"),
-        ("class A(PerceptSource): pass\n", r"wrong.py:4:1: error: the percept source 'a' has no look\(\)"),
-        ("class A(PerceptSource):\n    rate = 30\n    def look(self, now): pass\n", "the rate of 'a' cannot be 30"),
-        (
-            "class A(PerceptSource):\n    patience = True\n    def look(self, now): pass\n",
-            "the patience of 'a' cannot be True",
-        ),
-        (
-            "class A(PerceptSource):\n    needs = 'state'\n    def look(self, now): pass\n",
-            r"the needs of 'a' must be a tuple, not 'state' .*\n.*needs = \(\"state\",\)",
-        ),
-        ("class A(PerceptSource):\n    needs = ('lidar',)\n    def look(self, now): pass\n", "'a' cannot need 'lidar'"),
-        (
-            "class A(PerceptSource):\n    rate: float = param(5.0, doc='x')\n    def look(self, now): pass\n",
-            "'a' declares the parameter 'rate', which every source has already",
-        ),
-        (
-            "class A(PerceptSource):\n    far: float = param('5 m', unit='m', doc='')\n    def look(self, now): pass\n",
-            r"in 'a', the default of 'far' must be 5.0, not '5 m' \[broken-source\]",
-        ),
-        (
-            "class Mine(PerceptSource):\n    source_name = 'tracker'\n    def look(self, now): pass\n",
-            r"wrong.py:4:1: error: the percept source 'tracker' is the simulated tracker, .* \[taken-name\]",
-        ),
-    ],
-)
-def test_mistakes_in_a_file_are_told_with_their_place(workspace: Workspace, text: str, message: str) -> None:
-    write(workspace.root, "wrong.py", text)
-    assert re.search(message, problems(workspace, "door_sign"))
-
-
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        ("return values['cup']", r"wrong.py:8:\d+: error: the percept source 'mine' raised KeyError: 'cup'"),
-        ("pass", r"wrong.py:6:5: error: publishes\(\) of the percept source 'mine' gave None \[broken-source\]"),
-        ("return 'cup'", "gave 'cup' .*\n.*a list of the percepts' names"),
-        ("return [3]", r"gave \[3\]"),
-        ("yield 1 / 0", "raised ZeroDivisionError: .*\n.*raised by its publishes"),
-    ],
-)
-def test_a_source_that_cannot_say_what_it_publishes_is_told(workspace: Workspace, body: str, message: str) -> None:
-    text = "class Mine(PerceptSource):\n    look = None\n    @classmethod\n    def publishes(cls, values):\n        "
-    write(workspace.root, "wrong.py", text + body)
-    assert re.search(message, problems(workspace, "mine"))
+def test_a_source_is_given_only_what_it_needs(late: Any) -> None:
+    late.observe(here(0.0), object())  # a state
+    given: Moment = late._senses[0].worker.source.given
+    assert (given.time, given.state, given.picture, given.truth) == (0.0, None, None, None)
 
 
 def test_a_source_that_cannot_be_made_is_told(workspace: Workspace, seen: Any) -> None:
@@ -267,23 +288,6 @@ def test_a_source_that_cannot_be_made_is_told(workspace: Workspace, seen: Any) -
     write(workspace.root, "wrong.py", text)
     with pytest.raises(UserError, match=r"wrong.py:6:9: error: the percept source 'mine' raised AttributeError"):
         seen("mine")
-
-
-def test_a_python_package_holds_no_sources(workspace: Workspace) -> None:
-    write(workspace.root, "wrong.py", "x = 1\n")
-    write(workspace.root, "__init__.py", "")
-    assert not [path for path in workspace.perception_files() if path.is_relative_to(workspace.root)]
-
-
-def test_two_files_cannot_declare_one_source(workspace: Workspace) -> None:
-    write(workspace.root, "another.py", SIGN)
-    assert "the percept source 'door_sign' is declared twice [duplicate-source]" in problems(workspace, "door_sign")
-
-
-def test_a_users_source_wins_over_a_built_in_one(workspace: Workspace, robot: RobotModel) -> None:
-    write(workspace.root, "color_blob.py", SIGN.replace("DoorSign", "ColorBlob"))
-    config = load_scene(workspace.find_scene("ball_on_stand"))
-    assert choose(written("color_blob"), workspace, config)[0].names == ("sign",)
 
 
 @pytest.mark.parametrize(("rate", "ticks"), [(50.0, 1), (16.66, 3), (8.33, 6), (7.143, 7)])
