@@ -102,18 +102,31 @@ def test_what_was_told_last_stays_until_the_run_is_over(folder: RunFolder, tree:
     assert watch.over
 
 
+def last_told(folder: RunFolder) -> dict[str, object]:
+    latest = channels.reader(folder, "status").latest()
+    assert latest is not None
+    message: dict[str, object] = json.loads(latest[1])
+    return message
+
+
 def test_a_message_that_is_too_long_leaves_out_what_nodes_say_then_statuses(folder: RunFolder, tree: Tree) -> None:
     does(tree, "approach", Status.RUNNING, "on " * 100)
-    teller, reader = TreeTeller(folder), channels.reader(folder, "status")
+    teller = TreeTeller(folder)
 
     def told(nodes: int) -> dict[str, object]:
         many = dataclasses.replace(tree, nodes=tree.nodes * (nodes // len(tree.nodes)))
         teller.tell({"time": 1.0, "node": "approach", "percepts": {"target": 0.1}}, many)
-        latest = reader.latest()
-        assert latest is not None
-        message: dict[str, object] = json.loads(latest[1])
-        return message
+        return last_told(folder)
 
     assert {"feedback_of", "statuses", "node"} <= told(100).keys()
     assert told(2_000).keys() == {"time", "node", "outline", "statuses", "percepts"}
     assert told(20_000).keys() == {"time", "node", "outline", "percepts"}
+
+
+@pytest.mark.parametrize("long", ["unseen", "percepts"])
+def test_statuses_are_told_whatever_else_would_not_fit(folder: RunFolder, tree: Tree, long: str) -> None:
+    status = {"time": 1.0, "unseen": {}, "percepts": {}} | {long: {f"tag_{number}": "no" * 20 for number in range(587)}}
+    TreeTeller(folder).tell(status, tree)
+    told = last_told(folder)
+    assert "statuses" in told
+    assert long not in told
