@@ -13,7 +13,7 @@ from humanoid_bt.cli.commands import HELP, answer
 TREE = """\
 format: 1
 scene: ball_on_stand
-parameters: {patience: 2 s}
+parameters: {patience: {default: 2 s, unit: s}}
 blackboard: {n: 0}
 root:
   sequence:
@@ -40,7 +40,7 @@ def session(project: Path) -> Iterator[hbt.Session]:
         ("show", "├─ ▶ wait"),
         ("keys", "n = 0\nfound = (not set)"),
         ("percepts", "target: 1.9"),
-        ("parameters", "patience = 2"),
+        ("parameters", "patience = 2 s"),
         ("par wait", "duration = 2 s"),
         ("help", HELP),
         ("break n > 1", "n > 1"),
@@ -80,3 +80,9 @@ def test_what_was_set_counts(session: hbt.Session) -> None:
     report = session.run()
     assert report.outcome == "success"
     assert report.sim_time < 0.5
+
+
+def test_parameters_are_shown_as_they_are_now_with_their_unit(session: hbt.Session) -> None:
+    answer(session, "set patience = 5 s", "keyboard")
+    assert answer(session, "parameters wait", "keyboard") == "duration = 5 s"
+    assert answer(session, "parameters", "keyboard") == "patience = 5 s"

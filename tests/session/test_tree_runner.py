@@ -1,4 +1,4 @@
-"""A tree that is edited a second time, and one that does not start."""
+"""When a tree starts that takes the place of another one."""
 
 from __future__ import annotations
 
