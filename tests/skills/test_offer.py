@@ -62,6 +62,18 @@ def test_draws_the_hand_back_from_a_target_that_comes_nearer(rig: Rig) -> None:
     assert not result.failed
 
 
+def test_draws_the_palm_back_at_once_from_a_target_that_comes_a_little_nearer(rig: Rig) -> None:
+    rig.at(1.5, lambda: rig.see("target", (0.67, 0.0, 1.0)))
+    result = rig.run("offer", target=(0.70, 0.0, 1.0), distance=0.6, clearance=0.2, hold=3.0, timeout=2.0)
+    ahead = {
+        round(command.stamp, 2): float(np.hypot(*command.targets["right_hand"].position[:2]))
+        for command in result.commands
+        if "right_hand" in command.targets
+    }
+    assert ahead[1.4] == pytest.approx(0.50, abs=0.01)
+    assert ahead[1.66] == pytest.approx(0.47, abs=0.01)
+
+
 def test_says_that_the_target_is_too_near(rig: Rig) -> None:
     result = rig.run("offer", target=(0.25, 0.0, 1.2))
     assert result.failed
@@ -82,6 +94,14 @@ def test_waits_for_a_steady_base(rig: Rig) -> None:
     result = rig.run("offer", target="person", timeout=0.3)
     assert result.feedback == "waiting for a steady base"
     assert not any("left_hand" in c.targets or "right_hand" in c.targets for c in result.commands)
+
+
+def test_gives_up_at_once_when_something_touches_the_arm(rig: Rig) -> None:
+    rig.at(0.5, lambda: rig.push((-60, 0, 0), duration=0.6, body="right_forearm"))
+    result = rig.run("offer", target=(1.2, -0.3, 1.0), hand="right", patience=5.0)
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something")
+    assert result.time < 1.2
 
 
 @pytest.mark.trials

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import re
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ import pytest
 from humanoid_bt import Rig, Side
 
 CLOSE = math.radians(3)
+SKILLS = Path(__file__).parents[2] / "skills"
 
 
 def off(rig: Rig, side: Side, target: tuple[float, float, float]) -> float:
@@ -73,6 +77,15 @@ def test_points_at_what_is_anywhere_in_front_of_it(rig: Rig, seed: int) -> None:
     assert not result.stops
 
 
+def test_points_along_the_line_from_the_shoulder_wherever_it_stands(rig: Rig) -> None:
+    assert rig.run("walk_to", x=0.5, y=0.3, heading=1.0, timeout=20).succeeded
+    target = np.array([0.5, 0.3, 1.0]) + 1.5 * np.array([math.cos(1.2), math.sin(1.2), 0.0])
+    result = rig.run("point_at", target=tuple(target.tolist()))
+    assert result.succeeded, result.feedback
+    line, fingers = target - rig.pose("left_shoulder").position, rig.pose("left_palm").rotation[:, 0]
+    assert line @ fingers / np.linalg.norm(line) > math.cos(math.radians(6))
+
+
 def test_follows_a_target_that_moves(rig: Rig) -> None:
     rig.at(1.5, lambda: rig.see("target", (1.2, 0.2, 1.3)))
     result = rig.run("point_at", target=(1.2, 0.5, 0.7), hold="2 s")
@@ -86,6 +99,16 @@ def test_stays_clear_of_the_side_of_something_solid(rig: Rig) -> None:
     assert result.succeeded, result.feedback
     assert off(rig, "left", (0.9, 0.1, 0.8)) < CLOSE
     assert max(state.hands["left"][0] for state in result.states) < 0.45, "its side is at 0.5"
+
+
+@pytest.mark.parametrize(("heading", "half"), [(0.7, 0.5), (0.7 - math.pi / 2, 0.05)])
+def test_a_thing_reaches_as_far_as_it_is_turned(heading: float, half: float) -> None:
+    spec = importlib.util.spec_from_file_location("point_at_alone", SKILLS / "point_at.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    thing = SimpleNamespace(size=np.array([1.0, 0.1, 2.0]), heading_world=heading)
+    assert module._half(thing, np.array([math.cos(0.7), math.sin(0.7), 0.0])) == pytest.approx(half)
 
 
 def test_gives_up_at_once_when_something_touches_its_arm(rig: Rig) -> None:

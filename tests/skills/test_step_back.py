@@ -31,6 +31,12 @@ def test_gives_up_when_it_comes_no_farther(rig: Rig) -> None:
     assert "comes no farther: 0.00 of 0.25 m made" in result.feedback
 
 
+def test_steps_back_to_where_it_faces_as_closely_as_it_is_told(rig: Rig) -> None:
+    result = rig.run("step_back", distance=0.3, tolerance=0.1, angle_tolerance=1e-6, patience=1.0)
+    assert result.failed
+    assert result.feedback.startswith("comes no farther")
+
+
 @pytest.mark.trials
 def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     result = rig.run("step_back", distance=2.0, timeout=2.5)

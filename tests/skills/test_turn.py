@@ -2,10 +2,13 @@
 
 import math
 import re
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from py_trees.common import Status
 
+import humanoid_bt as hbt
 from humanoid_bt import Gait, Rig
 
 
@@ -48,6 +51,14 @@ def test_gives_up_when_it_turns_no_farther(rig: Rig) -> None:
     assert result.feedback == "turns no farther: 57 deg to go"
 
 
+def test_comes_back_to_its_spot_when_it_is_pushed_as_it_turns(rig: Rig) -> None:
+    for time in (0.8, 1.6, 2.4):
+        rig.at(time, lambda: rig.push((70, 0, 0), duration=0.2))
+    result = rig.run("turn", angle=3.0, timeout=15)
+    assert result.succeeded, result.feedback
+    assert np.hypot(*rig.state.stance[:2]) < 0.04
+
+
 def test_a_robot_that_has_turned_far_enough_but_steps_on_comes_to_rest_there(rig: Rig) -> None:
     rig.at(0.7, lambda: rig.push((0.0, 180.0, 0.0), 0.1, "torso"))
     result = rig.run("turn", angle=0.6, patience=0.6, timeout=15)
@@ -80,3 +91,12 @@ def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> 
     assert result.feedback == "turns no farther: 3 deg to go, for which it makes no step"
     result = rig.run("turn", angle=0.004, tolerance=0.0001, patience=0.5)
     assert re.fullmatch(r"turns no farther: 0\.[1-9] deg to go, for which it makes no step", result.feedback)
+
+
+def test_says_how_far_it_turned_whatever_angle_is_set_meanwhile(session_of: Callable[[str], hbt.Session]) -> None:
+    with session_of("turn: {angle: 60 deg}") as session:
+        session.run_until(1.0)
+        session.set("turn.angle", "170 deg")
+        session.run_until(lambda s: s.node("turn").status is not Status.RUNNING, timeout=10)
+        turned = session.node("turn").results["turned"]
+        assert turned == pytest.approx(session.state.stance[2], abs=0.03)

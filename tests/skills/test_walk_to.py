@@ -1,10 +1,13 @@
 """The skill ``walk_to``, alone on the simulated robot."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from py_trees.common import Status
 
+import humanoid_bt as hbt
 from humanoid_bt import Gait, Rig
 from humanoid_bt.core.messages import BaseTarget
 
@@ -169,3 +172,11 @@ def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> 
     result = rig.run("walk_to", x=0.03, y=0.0, heading=0.0, tolerance=0.01, patience=0.5)
     assert result.failed
     assert result.feedback == "comes no nearer: 0.03 m and 0 deg to go, for which it makes no step"
+
+
+def test_says_where_it_walked_to_whatever_place_is_set_meanwhile(session_of: Callable[[str], hbt.Session]) -> None:
+    with session_of("walk_to: {x: 0.4, y: 0}") as session:
+        session.run_until(1.0)
+        session.set("walk_to.x", 5)
+        session.run_until(lambda s: s.node("walk_to").status is not Status.RUNNING, timeout=10)
+        assert "from (0.4, 0)" in session.node("walk_to").feedback

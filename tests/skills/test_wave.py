@@ -1,8 +1,12 @@
 """The skill ``wave``, alone on the simulated robot."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from py_trees.common import Status
 
+import humanoid_bt as hbt
 from humanoid_bt import Gait, Rig, RigResult, Side
 
 
@@ -64,3 +68,25 @@ def test_does_not_count_waves_that_an_emergency_stop_prevents(rig: Rig) -> None:
     assert result.failed
     assert "right hand comes no nearer" in result.feedback
     assert not result.fell
+
+
+def test_has_new_patience_for_every_stroke(rig: Rig) -> None:
+    result = rig.run("wave", times=8, timeout=15)
+    assert result.succeeded, result.feedback
+
+
+def test_gives_up_at_once_when_something_touches_the_arm(rig: Rig) -> None:
+    rig.at(0.5, lambda: rig.push((-60, 0, 0), duration=0.6, body="right_forearm"))
+    result = rig.run("wave", hand="right", patience=5.0)
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something")
+    assert result.time < 1.2
+
+
+def test_a_wave_that_is_told_to_wave_less_often_than_it_has_ends(session_of: Callable[[str], hbt.Session]) -> None:
+    with session_of("wave: {times: 9}") as session:
+        session.run_until(lambda s: s.node("wave").results.get("waved") == 2, timeout=8)
+        session.set("wave.times", 1)
+        session.run_until(session.time + 0.5)
+        assert session.node("wave").status is Status.SUCCESS
+        assert session.node("wave").feedback == "waved the right hand 2 times"
