@@ -14,7 +14,9 @@ import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it i
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.testing import coverage
 from humanoid_bt.testing.coverage import TreeCoverage, counting, coverage_in, save, tree_coverage, tree_files
+from humanoid_bt.testing.coverage_page import page
 from humanoid_bt.tree.counting import FOLDER
 from humanoid_bt.tree.coverage import DEEDS, Coverage, FileCoverage, NodeCoverage
 from humanoid_bt.tree.source.load import load_tree
@@ -237,6 +239,20 @@ def test_with_a_broken_file_the_command_fails_as_check_does(
     write(Workspace(halted), "broken", "root: {act: {scrip: s}}\n")
     assert main(["coverage", "counted", *asked]) == 2
     assert capsys.readouterr().err.startswith("error: trees/broken.yaml:2:")
+
+
+def test_what_cannot_be_read_is_not_covered(tmp_path: Path) -> None:
+    file = tmp_path / "broken.yaml"
+    file.write_text("format: 1\nroot: {nosuch: {}}\n")
+    report = tree_coverage(Coverage(), [file])
+    assert "100 %" not in report.text(80)
+    assert "100&thinsp;%" not in page(report)
+    assert "all tried" not in page(report)
+
+
+def test_a_page_of_a_folder_that_is_called_strangely_is_written(tmp_path: Path) -> None:
+    coverage.write(tmp_path / "page.html", "b\udcffd")
+    assert (tmp_path / "page.html").read_text() == "b?d"
 
 
 def test_a_narrow_terminal_wraps(halted: Path) -> None:

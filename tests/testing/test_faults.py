@@ -10,6 +10,7 @@ import pytest
 from humanoid_bt import Event, Stage, UserError
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import Place
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.testing.claim import Claim
 from humanoid_bt.testing.faults import EStop, Lose, Push, Set, Silence
 
@@ -51,6 +52,19 @@ def test_weak_drives_give_no_more_than_their_part_and_then_all_again(stage):
     assert np.abs(torque[0.16][weak]).max() < noise
     assert np.abs(torque[0.16]).max() > noise
     assert np.abs(torque[0.24][weak]).max() > noise
+
+
+def test_drives_that_are_weakened_twice_are_weaker_still(stage, monkeypatch):
+    script = [{"at": 0, "weaken": {"joints": ["*"], "to": 0.5}}, {"at": 0, "weaken": {"joints": ["left_*"], "to": 0.5}}]
+    strengths, set_strength = [], MujocoPlant.set_strength
+
+    def noted(plant, strength):
+        strengths.extend(strength)
+        set_strength(plant, strength)
+
+    monkeypatch.setattr(MujocoPlant, "set_strength", noted)
+    stage.run("stand", script=script, duration=0.1)
+    assert {0.25, 0.5} <= set(strengths)
 
 
 def test_a_sensor_that_breaks_stops_the_robot_and_the_next_run_has_it_whole(stage):
@@ -240,6 +254,11 @@ def test_an_event_happens_once_in_the_tick_after_it_became_true(dry):
     assert [text for text in texts(run) if "staged: estop" in text] == [
         "staged: estop, for distance(target) 0.4 m < 0.5 m"
     ]
+
+
+def test_a_moment_is_not_true_before_the_first_tick(dry):
+    run = dry.run("stand", script=[{"when": "time >= 0 s", "estop": "now"}], duration=0.2)
+    assert [event["time"] for event in run.report.events if "staged: estop" in event["text"]] == [0.02]
 
 
 def test_events_are_written_as_in_files_or_made_in_python(stage):

@@ -223,6 +223,11 @@ def test_what_an_event_lacks_is_told(folder: Path, event: str, message: str) -> 
     assert message in str(raised.value)
 
 
+def test_an_event_at_the_last_moment_may_be_in_a_script(folder: Path) -> None:
+    text = WHOLE.replace("1 min", "20 s").replace("{at: 2 s,", "{at: 20 s, optional: true,")
+    assert checked_scenario(write(folder, text), Workspace(folder)).script[0].optional
+
+
 @pytest.mark.parametrize("tree", ["../odd/tree.yaml", "tree.yaml"])
 def test_files_are_looked_for_beside_it(folder: Path, tree: str, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(folder, f"format: 1\ntree: {tree}\nexpect: idle runs\n")

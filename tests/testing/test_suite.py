@@ -1,4 +1,4 @@
-"""Scenarios that are interrupted, recorded and named twice, and what a script may stage."""
+"""Scenarios that are interrupted, recorded and named twice."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from humanoid_bt.files.workspace import Workspace
@@ -80,28 +79,3 @@ def test_a_recording_of_another_course_is_marked(workspace: Path) -> None:
     other = trials.recorded(scenario, replace(trial, trace="0" * 64))
     assert "went another way" in other.note
     assert other.recording
-
-
-def test_an_event_at_the_last_moment_may_be_in_a_script(workspace: Path) -> None:
-    text = FAILS.replace("expect: [", "script: [{at: 1 s, optional: true, estop: late}]\nexpect: [within 1 s: fell or ")
-    (workspace / "scenarios/fails.yaml").write_text(text)
-    assert Suite().total == 5
-
-
-def test_a_moment_is_not_true_before_the_first_tick(rig: Any) -> None:
-    run = rig.run_tree("stand", dry=True, script=[{"when": "time >= 0 s", "estop": "now"}], duration=0.2)
-    assert [event["time"] for event in run.report.events if "staged: estop" in event["text"]] == [0.02]
-
-
-def test_drives_that_are_weakened_twice_are_weaker_still(rig: Any) -> None:
-    script = [{"at": 0, "weaken": {"joints": ["*"], "to": 0.5}}, {"at": 0, "weaken": {"joints": ["left_*"], "to": 0.5}}]
-    strengths: list[Any] = []
-    plant = rig.run_tree("stand", duration=0.02).config  # the stage is loaded
-    assert plant
-    from humanoid_bt.plant.mujoco_plant import MujocoPlant
-
-    original = MujocoPlant.set_strength
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(MujocoPlant, "set_strength", lambda self, of: (strengths.append(of), original(self, of))[1])
-        rig.run_tree("stand", script=script, duration=0.1)
-    assert {0.25, 0.5} <= set(np.unique(np.concatenate(strengths)))
