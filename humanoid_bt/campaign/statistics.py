@@ -119,11 +119,6 @@ class Spread:
         low, high = self.values[below], self.values[min(below + 1, len(self.values) - 1)]
         return low + (place - below) * (high - low)
 
-    @property
-    def mean(self) -> float:
-        """The mean, NaN of none."""
-        return math.fsum(self.values) / len(self.values) if self.values else math.nan
-
 
 QUANTILES: Mapping[str, float] = {"min": 0.0, "p5": 0.05, "median": 0.5, "p95": 0.95, "max": 1.0}
 """Names of the quantiles that are told."""

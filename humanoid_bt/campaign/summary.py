@@ -31,12 +31,10 @@ class Level:
     Attributes:
         text: the value, as people read it.
         success: how many of them succeeded.
-        time: how long those took [s].
     """
 
     text: str
     success: Rate
-    time: Spread
 
 
 @dataclass(frozen=True)
@@ -138,7 +136,7 @@ class Summary:
             parts = [part for value in values if (part := [cell for cell in cells if cell[0] == value])]
             texts = readable_apart([part[0][0] for part in parts], unit)
         for text, part in zip(texts, parts, strict=True):
-            yield _level(text, [row for _, row in part])
+            yield Level(text, _success([row for _, row in part]))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""
@@ -182,10 +180,6 @@ def percent(share: float) -> str:
 def between(interval: Interval) -> str:
     """Return an interval of a rate as people read it."""
     return f"{percent(interval.low).removesuffix(' %')} to {percent(interval.high)}"
-
-
-def _level(text: str, rows: Sequence[Row]) -> Level:
-    return Level(text, _success(rows), Spread.of([row.result.time for row in rows if row.result.succeeded]))
 
 
 def _success(rows: Sequence[Row]) -> Rate:

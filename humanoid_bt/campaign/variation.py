@@ -62,16 +62,6 @@ class Variation:
             return cls(ends=(_number(low, item), _number(high, item)))
         return cls((item,))
 
-    def joined(self, other: Variation, name: str) -> Variation:
-        """Return the values of both.
-
-        Raises:
-            UserError: one of them is drawn.
-        """
-        if self.ends or other.ends:
-            raise UserError(f"{name!r} is drawn and given too", (other.ends or other.values)[0].place)
-        return Variation(self.values + other.values)
-
     def factor(self, name: str, spec: Param) -> Factor:
         """Return it for what is declared.
 

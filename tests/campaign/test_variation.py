@@ -48,13 +48,6 @@ def test_what_is_drawn_and_rounded_stays_between_its_ends() -> None:
     assert Factor("set.reach", ends=(2 / 3, 2 / 3)).value(None, 0) == 2 / 3
 
 
-def test_what_is_drawn_cannot_be_given_too() -> None:
-    drawn, given = (Variation.from_item(item_of(value, _HERE), "reach") for value in ("0 .. 1", 0.5))
-    for one, other in ((drawn, given), (given, drawn)):
-        with pytest.raises(UserError, match="'reach' is drawn and given too"):
-            one.joined(other, "reach")
-
-
 def test_whole_numbers_are_drawn_where_they_are_declared() -> None:
     for ends, numbers in (("1 .. 3", range(1, 4)), ("-3 .. 3", range(-3, 4)), ("-4 .. -2", range(-4, -1))):
         factor = _factor(ends, Param("times", int))
