@@ -31,7 +31,6 @@ class Servo:
         setpoint: position [rad], velocity [rad/s] and feedforward torque [Nm] of the command in force, shape (3, nj).
         limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
         clamped: whether any was.
-        clamps: how many setpoints were clamped so far.
         commands: how many commands there were so far.
     """
 
@@ -42,7 +41,7 @@ class Servo:
         self.limited = np.zeros(len(robot.lower), dtype=bool)
         self.clamped = False
         self.setpoint: Array = np.zeros((3, len(robot.lower)))
-        self.clamps = self.commands = 0
+        self.commands = 0
         self._hold(self._zeros, self._robot.stiffness, self._robot.damping)
 
     def reset(self, position: Array) -> None:
@@ -50,7 +49,6 @@ class Servo:
         self.position = clamp(position, self._robot.lower, self._robot.upper)
         self.limited = np.zeros_like(self.limited)
         self.clamped = False
-        self.clamps = 0
         self._hold(self._zeros, self._robot.stiffness, self._robot.damping)
 
     @property
@@ -80,7 +78,6 @@ class Servo:
             self.hold()
             return _WHY[found]
         self.clamped, self.limited = found == _CLAMPED, limited
-        self.clamps += self.clamped
         position, velocity, torque = kept
         self.position, self.setpoint = position, kept
         self._drive(JointCommand(position, velocity, stiffness, damping, torque))

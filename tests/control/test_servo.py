@@ -49,7 +49,7 @@ def test_a_setpoint_inside_the_limits_goes_through(servo: Servo, robot: RobotMod
     np.testing.assert_array_equal(servo.command.torque, wanted.torque)
     np.testing.assert_array_equal(servo.command.stiffness, robot.stiffness)
     assert not servo.limited.any()
-    assert servo.clamps == 0
+    assert not servo.clamped
 
 
 @pytest.mark.parametrize("bound", ["lower", "upper"])
@@ -61,7 +61,7 @@ def test_soft_limits_clamp_and_flag(servo: Servo, robot: RobotModel, setpoint: S
     servo.follow(replace(setpoint, position=changed(setpoint.position, joint, outside)), PERIOD)
     assert servo.command.position[joint] == limit
     assert np.flatnonzero(servo.limited).tolist() == [joint]
-    assert servo.clamps == 1
+    assert servo.clamped
 
 
 def test_a_solvers_overshoot_is_clamped_but_not_flagged(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
@@ -141,5 +141,5 @@ def test_reset_clamps_into_the_limits_and_forgets(servo: Servo, robot: RobotMode
     servo.reset(robot.upper + 1.0)
     np.testing.assert_array_equal(servo.command.position, robot.upper)
     np.testing.assert_array_equal(servo.command.stiffness, robot.stiffness)
-    assert servo.clamps == 0
+    assert not servo.clamped
     assert not servo.limited.any()
