@@ -154,9 +154,7 @@ class Surroundings:
         solid = [track for track in self._robot.obstacles if not _is_overhead(track, eyes)]
         sized = {track.name for track in solid}
         named = [self._robot.track(name) for name in self._named if name not in sized]
-        there = solid + [track for track in named if track is not None and not track.gone]
-        names = {track.name for track in there}
-        return there + [track for track in self._left() if track.name not in names]
+        return solid + [track for track in named if track is not None and not track.gone] + self._left()
 
     def _left(self) -> list[Track]:
         """Return what is gone from where it was last seen, because it goes on."""

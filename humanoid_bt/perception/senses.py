@@ -136,9 +136,8 @@ class Senses(Perception):
         picture = self._picture(due, robot, state)
         for sense in due:
             sense.last = tick // sense.ticks
-            if not sense.worker.off:
-                never = [name for name in sense.worker.source.names if name in self._never]
-                sense.worker.look(_moment(sense, robot, state, picture), never)
+            never = [name for name in sense.worker.source.names if name in self._never]
+            sense.worker.look(_moment(sense, robot, state, picture), never)
         return found + self._taken(due) if self._waits else found
 
     def take_news(self) -> Sequence[tuple[Level, str]]:
@@ -161,7 +160,7 @@ class Senses(Perception):
         return found
 
     def _take(self, worker: Worker, *, wait: bool) -> list[Percept]:
-        if worker.off or not worker.busy:
+        if worker.off:
             return []
         percepts, unseen = worker.take(wait)
         self._never |= unseen

@@ -79,7 +79,7 @@ class Worker:
         self._order(self.source.setup, SETUP_PATIENCE)
 
     def look(self, now: Moment, never: Collection[str]) -> None:
-        """Have the source look, if it is not at work.
+        """Have the source look, if it is neither at work nor off.
 
         Args:
             now: at what.
