@@ -1,12 +1,15 @@
-"""What a recording is told of the blackboard: every change, and nothing that is none."""
+"""What a recording is told of the blackboard and of percepts: every change, and nothing that is none."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from humanoid_bt.core.messages import Percept
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.session.changes import Changes
 
@@ -49,3 +52,12 @@ def test_a_key_that_an_edited_tree_does_not_have_is_set_no_more(changes: Changes
         ("key", ["is set anew", 4]),
         ("key", ["comes", 5]),
     ]
+
+
+def test_a_percept_is_new_when_it_was_seen_anew_even_if_it_is_the_same(changes: Changes) -> None:
+    cup, plate = (Percept(name, 0.0, np.ones(3), 0.9) for name in ("cup", "plate"))
+    assert changes.percepts({"cup": cup}) == [cup]
+    assert changes.percepts({"cup": cup, "plate": plate}) == [plate]
+    again = replace(cup)
+    assert changes.percepts({"cup": again, "plate": plate}) == [again]
+    assert changes.percepts({"cup": again, "plate": plate}) == []

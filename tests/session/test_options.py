@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import humanoid_bt as hbt
+from humanoid_bt.session.options import RUN_TIME, RunOptions
 
 SET = "format: 1\nparameters: {seed: 1, duration: 2 s}\nroot: {sequence: [{condition: seed == 5}, {wait: $duration}]}\n"
 
@@ -92,3 +93,24 @@ def test_what_is_no_text_is_no_name_of_a_source_or_a_parameter(perception: Any) 
 def test_a_pace_at_which_nothing_moves_is_refused(pace: float) -> None:
     with pytest.raises(hbt.UserError, match=r"'pace' must be a number from 0\.001 on"):
         hbt.Session("fetch", pace=pace)
+
+
+@pytest.mark.parametrize(
+    ("options", "watched", "limit"),
+    [
+        ({}, False, RUN_TIME),
+        ({"tree": "slow"}, False, 900.0),
+        ({"tree": "slow", "duration": 5.0}, False, 5.0),
+        ({}, True, math.inf),
+        ({"watch": True}, False, math.inf),
+        ({"mode": "realtime"}, False, math.inf),
+        ({"mode": "realtime", "duration": 5.0}, True, 5.0),
+    ],
+)
+def test_a_run_that_nobody_watches_has_an_end(
+    project: Path, options: dict[str, Any], watched: bool, limit: float
+) -> None:
+    waits = "{timeout: {duration: 400 s, running: }}, {timeout: {duration: 500 s, running: }}, {wait: 50 s}"
+    (project / "trees" / "slow.yaml").write_text(f"format: 1\nroot: {{sequence: [{waits}]}}\n", encoding="utf-8")
+    given = RunOptions(**{"tree": "walk", **options})
+    assert given.limit(watched, hbt.load(given.tree, workspace=project)) == limit

@@ -63,6 +63,43 @@ def test_a_parameter_of_the_tree_is_set_where_it_was_given(settable: hbt.Session
     assert session.node("walk").feedback == "halted: timed out after 0.3 s"
 
 
+SHARES = """\
+format: 1
+parameters: {patience: 40 ms}
+blackboard: {n: 0}
+root:
+  sequence:
+    - set_blackboard: {key: n, expression: n + 1}
+    - timeout: {duration: $patience, force_success: {subtree: {tree: shared}}}
+"""
+SHARED = "format: 1\nsubtree: true\nparameters: {patience: 60 ms}\nroot: {wait: {duration: $patience}}\n"
+
+
+@pytest.fixture
+def shares(project: Path) -> hbt.Session:
+    for name, text in {"shares": SHARES, "shared": SHARED}.items():
+        (project / "trees" / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return hbt.Session("shares")
+
+
+def test_a_parameter_of_the_tree_is_none_of_its_sub_trees_that_is_called_so(shares: hbt.Session) -> None:
+    with shares as session:
+        session.step()
+        session.set("patience", "5 s")
+        session.run_until(1.0)
+    assert (session.outcome, session.node("wait").feedback) == ("success", "waited 0.06 s")
+
+
+def test_a_tree_begins_with_what_was_set_before_it_and_not_with_what_was_set_since(shares: hbt.Session) -> None:
+    shares.set("n", 5)
+    (key,) = shares.tree.keys
+    with shares as session:
+        session.step()
+        assert session.blackboard["n"] == 6
+        session.set("n", 9)
+        assert (session.blackboard["n"], key.initial) == (9, 5)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
