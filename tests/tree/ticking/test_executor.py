@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 from py_trees.common import Status
 
+from humanoid_bt.core import forks
 from humanoid_bt.core.errors import ResourceConflict, UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.ticking.executor import NodeError
@@ -153,6 +154,7 @@ def test_two_living_owners_of_a_resource_halt_the_tree(workspace: Workspace) -> 
     with pytest.raises(ResourceConflict, match=r"idle.*thief"):
         thief.tick()
     assert thief.executor.status is Status.INVALID
+    assert {("idle", "INVALID"), ("thief", "INVALID")} <= set(thief.told())
 
 
 @pytest.mark.parametrize("above", ["inverter", "on_error"])
@@ -203,9 +205,81 @@ def test_what_setup_does_not_find_is_an_error_at_the_node(workspace: Workspace) 
         run(workspace, "rude")
 
 
+def test_every_node_is_set_up_once_and_so_is_what_a_leaf_hides(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "hides.py").write_text(
+        "import py_trees\n"
+        "class Inner(py_trees.behaviours.Running):\n"
+        "    setups = 0\n"
+        "    def setup(self, **kwargs):\n"
+        "        self.setups += 1\n"
+        "class Hides(py_trees.composites.Sequence):\n"
+        "    def __init__(self, name):\n"
+        "        super().__init__(name, True, [Inner('hidden')])\n"
+    )
+    hides = run(workspace, "{sequence: [{inverter: {inner: {name: shown}}}, hides]}")
+    inner = [vars(node) for node in hides.tree.root.iterate() if hasattr(node, "setups")]
+    assert [(node["name"], node["setups"]) for node in inner] == [("shown", 1), ("hidden", 1)]
+
+
 def test_a_tree_that_ended_starts_again(workspace: Workspace) -> None:
     again = run(workspace, "{sequence: [plain]}")
     assert again.ticks(3) == "rss"
+
+
+def test_the_blackboard_of_a_tree_that_ended_starts_again_too(workspace: Workspace) -> None:
+    text = "blackboard: {n: 0}\nroot: {sequence: [{set_blackboard: {key: n, expression: n + 1}}, {condition: n < 2}]}\n"
+    assert Run(load(workspace, text)).ticks(3) == "sss"
+
+
+def test_a_child_that_came_back_from_an_earlier_skill_is_none_of_the_next_tick(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    acts = run(workspace, "{sequence: [{act: {script: r}}]}")
+    monkeypatch.setattr(forks, "astray", True)
+    acts.tick()
+    assert acts.executor.status is Status.RUNNING
+    monkeypatch.setattr(forks, "astray", True)
+    acts.tree.root.tick_once()
+    assert acts.executor.status is Status.RUNNING
+
+
+@pytest.mark.parametrize(
+    ("under_test", "told"),
+    [
+        ("{reactive_sequence: [{act: {name: a, script: s}}, act]}", ["INVALID"]),  # it was only asked again
+        ("{repeat: {times: 9, act: {name: a, script: s}}}", ["SUCCESS", "INVALID"]),
+        ("{sequence: [{act: {name: b, script: rs}}, {act: {name: a, script: s}}, act]}", ["SUCCESS", "INVALID"]),
+    ],
+)
+def test_how_a_skill_ended_that_is_reset_in_the_same_tick_is_told_if_it_was_started(
+    workspace: Workspace, under_test: str, told: list[str]
+) -> None:
+    again = run(workspace, "{parallel: [" + under_test + ", {act: {name: other, script: rf}}]}")
+    again.ticks(2)
+    assert [status for name, status in again.told() if name == "a"] == told
+
+
+def test_results_are_told_with_the_end_of_a_node_and_neither_before_nor_after(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "counts.py").write_text(
+        "from humanoid_bt import Skill, Status, result\n"
+        "class Counts(Skill):\n"
+        "    n: int = result(doc='How often it was ticked.')\n"
+        "    def initialise(self):\n"
+        "        self.n = 0\n"
+        "    def update(self):\n"
+        "        self.n += 1\n"
+        "        return self.succeed('') if self.n == 2 else self.running('')\n"
+    )
+    counts = run(workspace, "{parallel: [{sequence: [counts, act]}, {act: {name: other, script: rrf}}]}")
+    told = []
+    for _ in range(3):
+        counts.tick()
+        told += [
+            (change.status.name, [found.value for found in change.results])
+            for change in counts.changes
+            if change.path.endswith("/counts")
+        ]
+    assert told == [("RUNNING", []), ("SUCCESS", [2]), ("INVALID", [])]
 
 
 def test_the_same_inputs_give_the_same_changes(workspace: Workspace) -> None:
