@@ -237,7 +237,7 @@ class Route:
         end = float(lengths[-1])
         places = np.append(np.arange(begin + _SPACING, min(begin + _AHEAD, end), _SPACING), min(begin + _AHEAD, end))
         on_way = np.stack([np.interp(places, lengths, points[:, 0]), np.interp(places, lengths, points[:, 1])], 1)
-        room = max(self._narrow if self._roomy(around, points) else self._least - SLACK, 0.0)
+        room = self._narrow if self._roomy(around, points) else self._least - SLACK
         seen = np.flatnonzero(around.straight(here, on_way, room))
         if not len(seen):
             self._planned_for = np.full(2, np.inf)  # it has left the way: another one from the next tick on

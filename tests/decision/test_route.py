@@ -132,6 +132,17 @@ class Walker:
         }
         self.robot.begin_tick(state, percepts)
 
+    def plans(self) -> list[float]:
+        """Return a list of the times at which a way is planned from now on [s]."""
+        made, make = list[float](), self.route._make_plan
+
+        def noted(*given: Any) -> None:
+            made.append(self.clock.now())
+            make(*given)
+
+        self.route._make_plan = noted  # type: ignore[method-assign]  # to hear of it
+        return made
+
     @property
     def target(self) -> np.ndarray | None:
         """Where it is sent."""
@@ -141,6 +152,14 @@ class Walker:
 
 def box(name: str, x: float, y: float, length: float, width: float, confidence: float = 0.9) -> Percept:
     return Percept(name, 0.0, np.array([x, y, -0.4]), confidence, np.array([length, width, 0.7]))
+
+
+def walled_in(name: str, far: float) -> list[Percept]:
+    """Return walls all round (4, 0), this far from it [m]."""
+    return [
+        box(f"{name}{number}", 4 + x * far, y * far, *((0.1, 2 * far) if x else (2 * far, 0.1)))
+        for number, (x, y) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)])
+    ]
 
 
 def test_cuts_a_corner_by_some_of_its_clearance_and_no_more() -> None:
@@ -177,6 +196,43 @@ def test_plans_anew_where_it_was_pushed_off_its_way() -> None:
     assert walker.route.to_go < 2.2  # past its right end, and not back to the other one
 
 
+def test_plans_anew_where_it_goes_elsewhere_or_something_comes_to_stand_on_its_way() -> None:
+    walker = Walker()
+    plans, bench = walker.plans(), box("bench", 1.0, -0.1, 0.1, 1.0)
+    left = box("left", 1.0, 1.5, 0.1, 2.2)
+    for seen, goal, ends in (
+        ([bench], (2.0, 0.0), 1),
+        ([bench], (2.0, 0.01), 1),  # hardly elsewhere
+        ([bench], (2.0, -0.3), 2),
+        ([bench, left], (2.0, -0.3), 3),
+        ([bench, left], (2.0, -0.3), 3),
+    ):
+        walker.see(*seen)
+        assert walker.route.follow(goal, 0.0)
+        assert len(plans) == ends
+        assert walker.handle.route is not None
+        assert math.dist(walker.handle.route[-1], goal) < 0.03
+    assert walker.target is not None and walker.target[1] < -0.1
+
+
+def test_plans_anew_where_it_was_pushed_off_a_straight_way() -> None:
+    walker, bench = Walker(), box("bench", 1.0, -0.1, 0.1, 1.0)
+    plans = walker.plans()
+    for at, ends in (((0.0, 0.0, 0.0), 1), ((0.0, 3.0, 0.0), 1), ((0.0, 0.0, 0.0), 2)):
+        walker.see(bench, at=at)
+        assert walker.route.follow((2.0, 0.0), 0.0)
+        assert len(plans) == ends
+
+
+def test_looks_for_a_way_where_there_was_none_again_and_again_but_not_in_every_tick() -> None:
+    walker = Walker()
+    plans, walls = walker.plans(), walled_in("wall", 1.0)
+    for _ in range(10):
+        walker.see(*walls)
+        assert not walker.route.follow((4.0, 0.0), 0.0)
+    assert plans == pytest.approx([0.0, 0.3, 0.6, 0.9])
+
+
 def test_has_new_patience_each_time_it_is_blocked() -> None:
     walker, goal = Walker(), (2.0, 0.0)
     for told in ("box", "crate"):
@@ -188,6 +244,22 @@ def test_has_new_patience_each_time_it_is_blocked() -> None:
         walker.see(box(told, 2.0, 0.0, 0.4, 0.4, confidence=0.0))
         assert walker.route.follow(goal, 0.0)
         assert walker.route.blocked == ""
+        assert not walker.route.hopeless
+
+
+def test_forgets_where_it_stepped_aside_to_once_it_walks_on() -> None:
+    walker = Walker()
+
+    def follows(x: float, y: float = 0.0) -> bool:
+        walker.see(box("cart", 2.4 - 0.05 * walker.ticks, 0.0, 0.3, 0.3), at=(0.0, y, 0.0))
+        return walker.route.follow((x, 0.0), 0.0)
+
+    while walker.target is None or walker.target[0] > 0.1:
+        follows(3.0)
+    assert walker.target[1] == pytest.approx(0.55, abs=0.05)
+    assert follows(-3.0)
+    assert not follows(3.0, y=-0.013)
+    assert walker.target[1] == pytest.approx(-0.55, abs=0.05)  # the nearer side from there
 
 
 def test_leaves_what_it_stands_beside_and_does_not_come_nearer_to_it() -> None:
@@ -205,12 +277,7 @@ def test_turns_within_a_little_less_than_its_radius(nearer: float, beside: str) 
 
 
 def test_names_what_is_in_the_way_where_no_thing_alone_is() -> None:
-    walker = Walker()
-    rings = [
-        box(f"{name}{number}", 4 + x * far, y * far, *((0.1, 2 * far) if x else (2 * far, 0.1)))
-        for name, far in (("inner", 1.0), ("outer", 2.0))
-        for number, (x, y) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)])
-    ]
+    walker, rings = Walker(), [*walled_in("inner", 1.0), *walled_in("outer", 2.0)]
     for _ in range(13):
         walker.see(*rings)
         assert not walker.route.follow((4.0, 0.0), 0.0)

@@ -120,3 +120,19 @@ def test_what_is_told_to_be_gone_again_and_again_has_the_size_that_it_had(robot:
         robot.begin_tick(make_state(now), {"cart": seen})
         around.look()
     assert around.obstacles.halves.tolist() == [[0.8, 0.8]]  # it goes on, as large as it is
+
+
+@pytest.mark.parametrize(
+    ("rests", "until", "speed"),
+    [
+        pytest.param(0.0, 0.5, 0.5, id="since it was seen first"),
+        pytest.param(0.0, 1.0, 0.5, id="since it moved last"),
+        pytest.param(5.0, 5.5, 0.25 / 1.5, id="since a second before the last look in which it stood"),
+    ],
+)
+def test_what_is_looked_at_rarely_is_as_fast_as_its_way_since_then(rests: float, until: float, speed: float) -> None:
+    def seen(time: float) -> list[Percept]:
+        looked = int(2 * time + 0.01) / 2
+        return [cart(looked, seen_at=max(looked - rests, 0.0))]
+
+    np.testing.assert_allclose(watched(seen, until).velocities, [[0.0, -speed]], atol=1e-9)
