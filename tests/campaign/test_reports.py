@@ -21,7 +21,7 @@ from humanoid_bt.campaign.stage_trials import pushes
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
-from humanoid_bt.campaign.words import figures
+from humanoid_bt.campaign.words import chance, figures
 from humanoid_bt.cli.overrides import overrides
 from humanoid_bt.core.errors import Place
 from humanoid_bt.core.params import Param
@@ -101,6 +101,14 @@ def test_a_comparison_for_a_pull_request() -> None:
     text = comparison_markdown(compare(table_of(lambda seed: seed % 10 > 0), table_of(lambda seed: seed % 20 > 0)))
     assert text.startswith("### 100 pairs: nothing differs beyond chance")
     assert "| success | 90 % | 95 % | +5 −0, p = 0.062 |" in text
+
+
+@pytest.mark.parametrize(
+    ("p", "text"),
+    [(1.0, "p = 1"), (0.0625, "p = 0.062"), (0.00149, "p = 0.0015"), (0.001, "p = 0.001"), (0.00099, "p < 0.001")],
+)
+def test_what_is_rarer_than_one_in_a_thousand_is_told_as_that(p: float, text: str) -> None:
+    assert chance(p) == text
 
 
 def _plan(*factors: Factor, **named: Any) -> Plan:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 from collections import deque
 from multiprocessing.connection import Pipe
@@ -18,10 +19,13 @@ from tests.campaign.stand_ins import DIES, DIES_ONCE, HANGS, HOGS, RAISES, REFUS
 
 def _run(begun: Path, *seeds: int, count: int = 2, time_limit: float = 60.0) -> dict[int, Done]:
     workers = Workers(make, (begun,), count=count, time_limit=time_limit, memory=1 << 30, logs=begun)
-    tasks = [Task(Trial(number, "fetch", "humanoid", "empty", seed)) for number, seed in enumerate(seeds)]
-    done = list(workers.run(tasks))
+    done = list(workers.run(_task(number, seed) for number, seed in enumerate(seeds)))
     assert sorted(one.task.trial.number for one in done) == list(range(len(seeds)))
     return {one.task.trial.seed: one for one in done}
+
+
+def _task(number: int, seed: int) -> Task:
+    return Task(Trial(number, "fetch", "humanoid", "empty", seed))
 
 
 def _times(begun: Path, seed: int) -> int:
@@ -40,6 +44,18 @@ def test_a_killed_process_loses_only_its_trial_which_is_run_again(begun: Path) -
     assert done[DIES_ONCE].cost.attempts == 2
     assert _times(begun, DIES_ONCE) == 2
     assert [_times(begun, seed) for seed in (1, 2)] == [1, 1]
+
+
+def test_what_is_run_again_comes_before_what_waits(begun: Path) -> None:
+    assert list(_run(begun, DIES_ONCE, 1, 2, count=1)) == [DIES_ONCE, 1, 2]
+
+
+def test_ctrl_c_is_not_for_the_processes(begun: Path) -> None:
+    workers = Workers(make, (begun,), count=1, time_limit=60.0, memory=None, logs=begun)
+    workers.run_one(_task(0, 1))
+    process = int((begun / "begun-1").read_text())
+    assert os.getsid(process) == process
+    workers.close()
 
 
 def test_a_trial_that_kills_its_process_each_time_is_told(begun: Path) -> None:
