@@ -1,12 +1,19 @@
 """The skill ``approach``, alone on the simulated robot."""
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from humanoid_bt import Gait, Rig
+from humanoid_bt import Gait, Rig, RigResult
 from humanoid_bt.core.messages import BaseTarget
+from humanoid_bt.decision.robot_handle import RobotHandle
+
+
+def bases_of(result: RigResult) -> list[BaseTarget]:
+    return [base for command in result.commands if isinstance(base := command.targets.get("base"), BaseTarget)]
 
 
 @pytest.mark.parametrize(("distance", "bearing"), [pytest.param(1.0, 0.0, marks=pytest.mark.trials), (0.9, 1.2)])
@@ -120,7 +127,46 @@ def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> 
 def test_the_place_to_stand_at_does_not_wander_with_the_robot(rig: Rig) -> None:
     result = rig.run("approach", target=(0.8, 0.5, 0.9), distance=0.4, timeout=15)
     assert result.succeeded, result.feedback
-    bases = [base for command in result.commands if isinstance(base := command.targets.get("base"), BaseTarget)]
+    bases = bases_of(result)
     assert len({tuple(base.position.tolist()) for base in bases}) == 1
     headings = [base.heading for base in bases]
     assert max(headings) - min(headings) < 0.02  # by noise of what is seen
+
+
+@pytest.mark.parametrize(("aside", "places"), [(0.10, 1), (0.17, 2)])
+def test_the_place_to_stand_at_moves_with_a_target_that_moves_by_more_than_noise(
+    rig: Rig, aside: float, places: int
+) -> None:
+    rig.at(0.1, lambda: rig.see("target", (1.5, aside, 0.9)))
+    bases = bases_of(rig.run("approach", target=(1.5, 0.0, 0.9), distance=0.4, timeout=0.3))
+    assert len({tuple(base.position.tolist()) for base in bases}) == places
+
+
+def test_faces_the_target_from_where_it_stands_once_it_stood_at_its_place(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ahead, side = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
+    place, straight = 0.6 * ahead, math.atan2(0.6, 0.8)
+    moments = [  # where it is beside its place [m], whether it stands, and how much to the side it is to face [m]
+        (0.05, False, 0.0),
+        (0.05, True, 0.05),
+        (0.05, False, 0.05),
+        (0.20, False, 0.0),
+        (0.05, False, 0.0),
+    ]
+    seen = RobotHandle.state.fget
+    assert seen is not None
+
+    def state_of(robot: RobotHandle) -> Any:
+        state = seen(robot)
+        moment = int(10 * state.time + 1e-6) - 1
+        if moment < 0:
+            return state
+        aside, stands, _ = moments[moment]
+        return replace(state, stance=np.append(place + aside * side, 2.0), base_settled=stands, gait=Gait.STEP)
+
+    monkeypatch.setattr(RobotHandle, "state", property(state_of))
+    result = rig.run("approach", target=(*ahead, 0.9), distance=0.4, timeout=0.58)
+    headings = {round(command.stamp, 2): command.targets["base"].heading for command in result.commands[:-1]}
+    for number, (_, _, faces) in enumerate(moments, 1):
+        assert headings[round(0.1 * number + 0.04, 2)] == pytest.approx(straight - math.atan2(faces, 0.4), abs=0.01)

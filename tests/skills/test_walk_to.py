@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from py_trees.common import Status
 import humanoid_bt as hbt
 from humanoid_bt import Gait, Rig
 from humanoid_bt.core.messages import BaseTarget
+from humanoid_bt.decision.robot_handle import RobotHandle
 
 
 @pytest.mark.parametrize(
@@ -61,6 +63,22 @@ def test_gives_up_when_it_comes_no_nearer(rig: Rig) -> None:
 
 def test_has_new_patience_to_come_to_rest_where_it_is_to_stand(rig: Rig) -> None:
     result = rig.run("walk_to", x=0.5, y=0.0, patience=0.7)
+    assert result.succeeded, result.feedback
+
+
+def test_gives_up_where_it_is_to_stand_if_it_steps_on_and_on(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = RobotHandle.state.fget
+    assert seen is not None
+    steps = property(lambda robot: replace(seen(robot), gait=Gait.STEP, base_settled=False))
+    monkeypatch.setattr(RobotHandle, "state", steps)
+    result = rig.run("walk_to", x=0.04, y=0.0, patience=0.2, timeout=2.0)
+    assert result.failed
+    assert result.feedback.startswith("comes no nearer: ")
+    assert result.time == pytest.approx(3 * 0.2 + 0.2, abs=0.05)
+
+
+def test_has_patience_for_as_long_as_it_turns_on_the_spot(rig: Rig) -> None:
+    result = rig.run("walk_to", x=0.0, y=0.0, heading=2.5, patience=1.0, timeout=15)
     assert result.succeeded, result.feedback
 
 
