@@ -24,6 +24,7 @@ from humanoid_bt.perception.source import Moment, PerceptSource
 SETUP_PATIENCE = 60.0
 """How long a source may take to set itself up, on the wall clock [s]."""
 
+_TURN = 0.1  # s
 _LONGEST = 300  # characters of what an exception says
 
 
@@ -96,11 +97,11 @@ class Worker:
         """
         if not self.busy:
             return _NOTHING
-        left = min(self._since + self._limit - time.monotonic(), threading.TIMEOUT_MAX)
+        until = self._since + self._limit
         try:
-            answer = self._answers.get(timeout=max(left, 0.001)) if wait else self._answers.get_nowait()
+            answer = self._awaited(until) if wait else self._answers.get_nowait()
         except queue.Empty:
-            if wait or left < 0:
+            if wait or until < time.monotonic():
                 self._give_up()
             return _NOTHING
         self.busy = False
@@ -114,6 +115,17 @@ class Worker:
         if self.busy and not self.off:
             self._interrupt()
         self._orders.put(None)
+
+    def _awaited(self, until: float) -> Looked | BaseException:
+        """Wait for its answer, in short turns: a signal that comes just before one is heard after it.
+
+        Raises:
+            queue.Empty: there is none until a time of the monotonic clock [s].
+        """
+        while (left := until - time.monotonic()) > _TURN:
+            with suppress(queue.Empty):
+                return self._answers.get(timeout=_TURN)
+        return self._answers.get(timeout=max(left, 0.001))
 
     def _order(self, what: Callable[[], Any], limit: float) -> None:
         self.busy, self._since, self._limit = True, time.monotonic(), limit
