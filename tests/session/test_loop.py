@@ -11,6 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.core.messages import Command, Mode, Pause
 from humanoid_bt.session.loop import Loop
 from humanoid_bt.session.pace import Pace
+from humanoid_bt.session.tick_watch import TickWatch
 
 
 class Control:
@@ -55,7 +56,7 @@ def test_a_tree_is_ticked_again_when_control_has_heard_that_the_pause_is_over(la
     told = dict.fromkeys(("ticked", "happened", "warn_of_percepts"), lambda *_: None)
     teller = SimpleNamespace(trace=SimpleNamespace(tick=lambda *_: None), **told)
     debugger = SimpleNamespace(teller=teller, pause=None, attended=False, ticked=lambda _: None, tell=lambda: None)
-    ticks = SimpleNamespace(begin=lambda: None, finish=lambda _: "", took=0.0)
+    ticks = TickWatch(looks=False)
     control, runner = Control(late), Runner()
     parts: list[Any] = [control, runner, debugger, Pace(None), ticks]
     loop = Loop(*parts)
