@@ -36,7 +36,7 @@ def life_explained(history: History, name: str) -> Explanation:
     """
     paths = history.matching(name)
     lives = sorted((life for path in paths for life in _lives(history, path)), key=lambda life: life.begin)
-    title = f"'{last(paths[0])}'" if len(paths) == 1 else f"{len(paths)} nodes named '{name}'"
+    title = f"'{last(paths[0])}'" if len(paths) == 1 else f"'{name}' ({len(paths)} nodes)"
     final = lives[-1] if lives else None
     return Explanation(
         recording=relative(history.log.path),

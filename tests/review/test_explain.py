@@ -240,6 +240,13 @@ def test_a_node_that_never_had_its_turn(play: Play) -> None:
     assert found.time is None
 
 
+def test_nodes_of_one_name_are_told_together(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    history = History(read_flight(seen))
+    paths = [node["path"] for node in history.log.setup["tree"]["nodes"]][:2]
+    monkeypatch.setattr(history, "matching", lambda _name: paths)
+    assert life_explained(history, "wait").headline.startswith("'wait' (2 nodes) ran 2 times, the last time ")
+
+
 def test_a_node_that_was_halted_in_its_first_tick_had_its_turn(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log = read_flight(seen)
     path = next(node["path"] for node in log.setup["tree"]["nodes"] if node["path"].endswith("/approach"))
