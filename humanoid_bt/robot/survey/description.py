@@ -35,6 +35,7 @@ _GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at 
 _NARROWER = 0.85  # of the distance of the hips: feet that stand so turn less under a leg that swings
 _NEARER = 0.05  # m that feet may come nearer than they stand
 _BETWEEN = 0.06  # m between narrow soles, which may come nearer still: a step across catches pushes to the other side
+_LIGHT = 10.0  # N, below which a force has more digits
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _GAP = 0.01  # m between feet side by side
@@ -283,7 +284,8 @@ class _Writer:
         yield f"  stance_width: {stands:.2f}"
         yield f"  separation_min: {self._separation(stands):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
-        yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
+        lands = _WEIGHT_SHARE * mass * _GRAVITY
+        yield f"  touchdown_force: {lands:{'.0f' if lands >= _LIGHT else '.2g'}}"
         small = scaled_gait(self._height(), mass)
         shift = first_shift(stands, self._bears, self._height())
         usual = small.pop("first_shift", GaitConfig.first_shift)

@@ -515,6 +515,14 @@ def test_the_gait_of_a_small_robot_is_smaller_and_quicker(spec: mujoco.MjSpec, a
     assert small.separation_min >= 2 * 0.0225 - 0.005
 
 
+def test_a_robot_of_a_few_hundred_grams_lands_by_its_own_weight(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    heavy = adopt(spec)[1].gait.touchdown_force
+    for body in spec.bodies[1:]:
+        for geom in body.geoms:
+            geom.mass = geom.mass / 125 if geom.mass > 0 else geom.mass
+    assert adopt(spec)[1].gait.touchdown_force == pytest.approx(heavy / 125, rel=0.05)
+
+
 def scale(spec: mujoco.MjSpec, factor: float) -> None:
     """Multiply the lengths of a model and let its masses be."""
     for body in spec.bodies[1:]:
