@@ -24,7 +24,7 @@ from humanoid_bt.perception.source import Moment, PerceptSource
 SETUP_PATIENCE = 60.0
 """How long a source may take to set itself up, on the wall clock [s]."""
 
-_TURN = 0.1  # s
+_TURN = 0.1  # s that an answer is waited for at a time
 _LONGEST = 300  # characters of what an exception says
 
 
