@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+import queue
+import time
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import Percept
-from humanoid_bt.perception.worker import PerceptError, checked
+from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.perception.worker import PerceptError, Worker, checked
 
 GOOD = Percept("cup", 1.0, np.array([1.0, 0, 0]), 0.5)
 
@@ -64,3 +67,26 @@ def test_everything_that_a_source_tells_is_published() -> None:
         array = getattr(published, field)
         np.testing.assert_array_equal(array, getattr(given, field))
         assert not array.flags.writeable
+
+
+def test_no_wait_for_a_source_is_so_long_that_ctrl_c_just_before_it_is_not_heard() -> None:
+    now, waits = [0.0], list[float]()
+
+    class Silent:
+        """Answers nothing, in no time."""
+
+        def get(self, timeout: float) -> Any:
+            waits.append(timeout)
+            now[0] += timeout
+            raise queue.Empty
+
+    worker = Worker(cast(PerceptSource, None), "slow")
+    worker._answers = cast(Any, Silent())
+    worker.busy, worker._limit = True, 60.0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time, "monotonic", lambda: now[0])
+        worker.take(wait=True)
+    worker.close()
+    assert max(waits) <= 0.1
+    assert sum(waits) == pytest.approx(60.0, abs=0.1)
+    assert worker.off == "has been at it for more than 60 s"
