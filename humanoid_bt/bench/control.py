@@ -63,11 +63,12 @@ class CommandedRobot:
         Raises:
             UserError: the robot's body fails, and what is measured from then on is another one.
         """
-        controller = self.controller
-        for _ in range(count):
-            if controller.cycle % cycles(DECISION_PERIOD) == 0:
+        controller, tick = self.controller, cycles(DECISION_PERIOD)
+        end = controller.cycle + count
+        while controller.cycle < end:
+            if controller.cycle % tick == 0:
                 controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self.targets))
-            controller.run_cycle()
+            controller.run_cycles(min(end - controller.cycle, tick - controller.cycle % tick))
         if failed := controller.body_failed:
             raise UserError(
                 f"{self._config.name} cannot be measured: {failed}", self._config.place("body"), code="failed-body"

@@ -96,9 +96,8 @@ class Trial:
             if ask:
                 ask(self.skill)
             self.controller.submit(self._decision.commit())
-            for _ in range(cycles(DECISION_PERIOD)):
-                self.controller.run_cycle()
-                self._clock.advance()
+            self.controller.run_cycles(cycles(DECISION_PERIOD))
+            self._clock.cycle = self.controller.cycle
             if self.fallen:
                 return False
             self._look(stands=ask is None)

@@ -108,11 +108,27 @@ class Controller:
 
     def run_cycle(self) -> None:
         """Run one servo cycle."""
-        supervisor, estimator, log = self.supervisor, self.estimator, self.log
+        self.run_cycles(1)
+
+    def run_cycles(self, count: int) -> None:
+        """Run so many servo cycles, one after the other.
+
+        It is decided anew when something has changed that the supervisor looks at, or when a plan is due; in the cycles
+        between, the drives follow the same command, and what the sensors say is heard.
+        """
+        end = self.cycle + count
+        while self.cycle < end:
+            self._decide()
+            look = self.supervisor.next_look(self._setpoint_fault)
+            self._drive(min(end, look, max(self._next_plan, self.cycle + 1)))
+
+    def _decide(self) -> None:
+        """Let the supervisor look at everything, and see to it that there is a command for the drives."""
+        supervisor, estimator = self.supervisor, self.estimator
         estimate = estimator.estimate
         supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault, self._plant.fault)
-        if log is not None:
-            log.begin(self.cycle + 1, supervisor, self.servo, self.body)
+        if self.log is not None:
+            self.log.begin(self.cycle + 1, supervisor, self.servo, self.body)
         if supervisor.mode is Mode.DAMP:
             self._let_go()
         elif self._silent:
@@ -123,20 +139,32 @@ class Controller:
             self._plan(estimate)
             self._next_plan = self.cycle + self._body_period
         self._held = supervisor.hold
-        self._plant.step(self.servo.command)
-        self.cycle += 1
-        reading = self._reading if log is None else log.measured
-        self._plant.measure(reading)
-        self._silent = reading.age > SILENT_AFTER
-        if self._silent:
-            estimator.miss(reading)
-        else:
-            estimator.take(reading)
-        if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._estimate_period):
-            estimator.update(reading, self.servo.setpoint)
-            self._feel()
-        if log is not None:
-            log.end(estimator.estimate)
+
+    def _drive(self, until: int) -> None:
+        """Drive the joints and hear the sensors in this cycle, and up to another one if nothing changes before."""
+        supervisor, estimator, plant, log, servo = self.supervisor, self.estimator, self._plant, self.log, self.servo
+        estimate, command, fault, reading = estimator.estimate, servo.command, plant.fault, self._reading
+        while True:
+            plant.step(command)
+            self.cycle += 1
+            if log is not None:
+                reading = log.measured
+            plant.measure(reading)
+            self._silent = reading.age > SILENT_AFTER
+            if self._silent:
+                estimator.miss(reading)
+            else:
+                estimator.take(reading)
+            if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._estimate_period):
+                estimator.update(reading, servo.setpoint)
+                self._feel()
+            if log is not None:
+                log.end(estimator.estimate)
+            if self.cycle >= until or estimator.estimate is not estimate or plant.fault != fault:
+                return
+            supervisor.cycle = self.cycle
+            if log is not None:
+                log.begin(self.cycle + 1, supervisor, servo, self.body)
 
     def _plan(self, estimate: Estimate) -> None:
         supervisor, body = self.supervisor, self.body

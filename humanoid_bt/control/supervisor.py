@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import get_args
@@ -93,6 +94,7 @@ class Supervisor:
         mode: what is allowed now.
         reason, source: why and by whom, "" in mode RUN.
         command: the last accepted command.
+        cycle: the servo cycle that runs; set it in one in which there is nothing new to look at.
         touch: what follows when something touches the robot.
         stops: the stops so far; of very many the first and the latest.
         rejected: what was refused so far, as text: commands, and setpoints that the body could not plan; as of stops.
@@ -122,7 +124,7 @@ class Supervisor:
         self._looked_at: Estimate | None = None
         self._estop: tuple[str, str] | None = None
         self._requested: tuple[str, str] | None = None
-        self._cycle = 0
+        self.cycle = 0
         self.touch.reset()
 
     # ---- requests -------------------------------------------------------------------------------------------------
@@ -142,7 +144,7 @@ class Supervisor:
         Once per silence, and not when the robot is stopped already: nothing starts it but a fresh command.
         """
         if self._heard_cycle is not None and not self._forgiven and self.mode in _COMMANDED:
-            self._heard_cycle = self._cycle
+            self._heard_cycle = self.cycle
             self._forgiven = True
 
     def reset(self) -> str:
@@ -174,7 +176,7 @@ class Supervisor:
             return False
         self.command = command
         self._last_sequence = command.sequence
-        self._heard_cycle, self._refused = self._cycle, ""
+        self._heard_cycle, self._refused = self.cycle, ""
         self._forgiven = False
         return True
 
@@ -182,7 +184,7 @@ class Supervisor:
         """Return why a command is not the next one, "" if it is."""
         if self._last_sequence is not None and command.sequence <= self._last_sequence:
             return f"out of order after {self._last_sequence}"
-        now = self._cycle * SERVO_PERIOD
+        now = self.cycle * SERVO_PERIOD
         if not math.isfinite(command.stamp) or abs(command.stamp - now) > DECISION_TIMEOUT:
             return f"stamped {command.stamp:.3f} s at {now:.3f} s"
         return ""
@@ -209,7 +211,7 @@ class Supervisor:
 
     def feel(self, forces: Mapping[str, Array], estimate: Estimate) -> None:
         """Take what pushes arms and torso, group of links -> force, shape (3,) [N], when there is news of it."""
-        self.touch.look(self._cycle, forces, self.command, estimate.qpos[:2])
+        self.touch.look(self.cycle, forces, self.command, estimate.qpos[:2])
         if self.touch.blocked:
             self.raise_estop("supervisor", self.touch.blocked)
 
@@ -230,7 +232,7 @@ class Supervisor:
             sensor_fault: which sensor has failed, else "".
             plant_fault: why the plant cannot be relied on, else "".
         """
-        self._cycle = cycle
+        self.cycle = cycle
         if setpoint_fault and not self._faulty_cycles:
             self.rejected.append(f"setpoint at {cycle * SERVO_PERIOD:.3f} s: {setpoint_fault}")
         self._faulty_cycles = self._faulty_cycles + 1 if setpoint_fault else 0
@@ -250,6 +252,23 @@ class Supervisor:
             elif self.mode is not Mode.RUN:
                 self.mode, self.reason, self.source = Mode.RUN, "", ""
 
+    def next_look(self, setpoint_fault: str) -> int:
+        """Return the servo cycle in which to look again if nothing changes before of what :meth:`check` is told.
+
+        Args:
+            setpoint_fault: why there is no new valid setpoint since it looked, else "".
+        """
+        if setpoint_fault or self._faulty_cycles:
+            return self.cycle + 1
+        if self._heard_cycle is None or self._is_silent:
+            return sys.maxsize
+        return self._heard_cycle + self._decision_timeout + 1
+
+    @property
+    def _is_silent(self) -> bool:
+        """Whether decision has been silent for too long."""
+        return self._heard_cycle is not None and self.cycle - self._heard_cycle > self._decision_timeout
+
     def _protective_cause(self, setpoint_fault: str, sensor_fault: str) -> tuple[str, str] | None:
         """Return (reason, source) of what keeps the robot from being commanded, if anything does."""
         if sensor_fault:
@@ -257,7 +276,7 @@ class Supervisor:
         if self._requested is not None:
             source, reason = self._requested
             return reason, source
-        if self._heard_cycle is not None and self._cycle - self._heard_cycle > self._decision_timeout:
+        if self._is_silent:
             return self._silence(), "supervisor"
         if self.touch.held:
             return self.touch.held, "supervisor"
@@ -276,7 +295,7 @@ class Supervisor:
             return
         self.mode, self.reason, self.source = mode, reason, source
         resources = dict(self.command.sources) if self.command else {}
-        self.stops.append(Stop(self._cycle * SERVO_PERIOD, mode, reason, source, resources))
+        self.stops.append(Stop(self.cycle * SERVO_PERIOD, mode, reason, source, resources))
 
     def _why_falling(self, estimate: Estimate) -> str:
         """Return why the robot cannot be kept on its feet, "" when it can."""

@@ -56,7 +56,11 @@ class TreeClock:
 
 
 class CycleClock:
-    """Simulation time: the number of servo cycles since the run began."""
+    """Simulation time.
+
+    Attributes:
+        cycle: servo cycles since the run began; set it as they pass.
+    """
 
     def __init__(self) -> None:
         self.cycle = 0
@@ -64,10 +68,6 @@ class CycleClock:
     def now(self) -> float:
         """Return the engine's time [s]."""
         return self.cycle * SERVO_PERIOD
-
-    def advance(self) -> None:
-        """Count one servo cycle."""
-        self.cycle += 1
 
     def due(self, period_cycles: int) -> bool:
         """Return whether a loop that runs every ``period_cycles`` runs in this cycle."""

@@ -266,9 +266,10 @@ class Lockstep:
             self.controller.submit(self._command)
             self._command = None
         self.plant.touches.targets = self.supervisor.targets
-        for _ in range(self._decision):
-            self.controller.run_cycle()
-            self.clock.advance()
+        try:
+            self.controller.run_cycles(self._decision)
+        finally:
+            self.clock.cycle = self.controller.cycle
         self.plant.note_external_force()
         for touch in self.touches[self._told_touches :]:
             self._note("info", touch.text)

@@ -102,8 +102,7 @@ class _Trial:
             if targets is not None:
                 self._sequence += 1
                 self.controller.submit(Command(self._sequence, self.controller.cycle * SERVO_PERIOD, targets))
-            for _ in range(cycles(DECISION_PERIOD)):
-                self.controller.run_cycle()
+            self.controller.run_cycles(cycles(DECISION_PERIOD))
             if failed := self.controller.body_failed:
                 self.failed = failed
             if until is not None and until(self.controller.state()):

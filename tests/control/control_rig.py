@@ -45,7 +45,7 @@ class ControlRig:
         seconds: float,
         targets: Mapping[str, Target] | None = None,
         until: Callable[[State], bool] | None = None,
-        cycle: Callable[[], object] = lambda: None,
+        cycle: Callable[[], object] | None = None,
     ) -> bool:
         """Run with these targets commanded (None: decision is silent); return whether ``until`` came true.
 
@@ -54,9 +54,12 @@ class ControlRig:
         for _ in range(round(seconds / DECISION_PERIOD)):
             if targets is not None:
                 self.command(targets)
-            for _ in range(TICK):
-                self.controller.run_cycle()
-                cycle()
+            if cycle is None:
+                self.controller.run_cycles(TICK)
+            else:
+                for _ in range(TICK):
+                    self.controller.run_cycle()
+                    cycle()
             if until is not None and until(self.state):
                 return True
         return False

@@ -39,7 +39,7 @@ def test_the_clock_counts_cycles_without_drift() -> None:
     clock = CycleClock()
     assert clock.now() == 0
     for _ in range(100_000):
-        clock.advance()
+        clock.cycle += 1
     assert clock.now() == pytest.approx(100, abs=1e-12)
 
 
@@ -48,5 +48,5 @@ def test_a_loop_is_due_at_the_start_and_then_every_period() -> None:
     for _ in range(41):
         if clock.due(20):
             ran.append(clock.cycle)
-        clock.advance()
+        clock.cycle += 1
     assert ran == [0, 20, 40]

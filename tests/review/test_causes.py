@@ -133,7 +133,7 @@ def lost(session: Session) -> None:
 
     def advance() -> None:
         for _ in range(5):
-            session.engine.clock.advance()  # type: ignore[attr-defined]  # what its Protocol does not name
+            session.engine.clock.cycle += 1  # type: ignore[attr-defined]  # what its Protocol does not name
         raise ControlLost("the control process has ended (signal SIGKILL)")
 
     session.engine.advance = advance  # type: ignore[method-assign]  # of this run alone

@@ -147,7 +147,7 @@ class Machine:
                 for command in self.line(self.last_command):
                     self.controller.submit(command)
             self.controller.run_cycle()
-            self._lockstep.clock.advance()
+            self._lockstep.clock.cycle += 1
             if self.supervisor.mode is not self._mode:
                 self._mode = self.supervisor.mode
                 self.modes.append((self.cycle - 1, self._mode))

@@ -93,8 +93,7 @@ def test_the_driver_of_the_docs_walks_run_after_run(documented: Callable[[float]
         for _ in range(round(4.0 / DECISION_PERIOD)):
             now = controller.cycle * SERVO_PERIOD
             controller.submit(Command(controller.cycle, now, {"base": BaseTarget(np.array([0.5, 0.0]), 0.0)}))
-            for _ in range(cycles(DECISION_PERIOD)):
-                controller.run_cycle()
+            controller.run_cycles(cycles(DECISION_PERIOD))
         assert not controller.supervisor.stops
         assert controller.state().stance == pytest.approx((0.5, 0.0, 0.0), abs=0.05)
         cabled.restart()
