@@ -57,7 +57,9 @@ class Caller:
 
     def _turn(self) -> None:
         over = self._over  # before it reads: decision writes nothing after the end
-        entries, _ = self._orders.since(self._read)
+        entries, lost = self._orders.since(self._read)
+        if lost:
+            self._forget(lost)
         for sequence, payload in entries:
             self._read = sequence
             self._order(json.loads(payload))
@@ -72,6 +74,12 @@ class Caller:
             self._leave(asked)
         self._cancels.look()
         self._ended = over
+
+    def _forget(self, lost: int) -> None:
+        """Let go of all calls after so many orders were lost: any of them may have been dropped, others never begun."""
+        for number in list(self._asked):
+            self._drop(number)
+        self._answers.write(json.dumps({"lost": lost}).encode())
 
     def _order(self, order: Mapping[str, Any]) -> None:
         number = order["number"]

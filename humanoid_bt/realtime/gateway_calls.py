@@ -69,7 +69,13 @@ class GatewayCalls:
             self._cancel(number, call)
 
     def hear(self, told: Mapping[str, Any]) -> None:
-        """Take what the gateway says about a call; of one that was dropped nobody wants to know."""
+        """Take what the gateway says about a call, or that it missed some.
+
+        Of one that was dropped nobody wants to know.
+        """
+        if (lost := told.get("lost")) is not None:
+            self.lose(f"the gateway was busy, and {lost} of the things it was told are lost")
+            return
         number = told["number"]
         if number in self._answers:
             self._hear(number, Answer(told["state"], told["text"], told["values"]))

@@ -52,27 +52,60 @@ class Ears:
         self.turn = turn
 
 
-def test_nothing_is_kept_of_calls_that_are_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    client = Client()
-    monkeypatch.setattr(Caller, "_client", lambda *_: client)
-    monkeypatch.setattr(calls, "interface", lambda *_: SimpleNamespace(Request=Message, Response=Message))
-    orders, answers = (RingWriter.create(tmp_path / name, 512, 8) for name in ("orders", "answers"))
-    ears: Any = Ears()
-    caller = Caller(ears, RingReader.open(tmp_path / "orders"), answers, "run", lambda *_: None)
-    heard = RingReader.open(tmp_path / "answers")
+class Called:
+    """A caller whose turns the test takes, with the far ends of its rings."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.client, ears = Client(), Ears()
+        monkeypatch.setattr(Caller, "_client", lambda *_: self.client)
+        monkeypatch.setattr(calls, "interface", lambda *_: SimpleNamespace(Request=Message, Response=Message))
+        self.orders = RingWriter.create(folder / "orders", 512, 8)
+        answers = RingWriter.create(folder / "answers", 512, 64)
+        self.heard = RingReader.open(folder / "answers")
+        asks: Any = ears
+        self.caller = Caller(asks, RingReader.open(folder / "orders"), answers, "run", lambda *_: None)
+        self.turn = ears.turn
+
+    def ask(self, number: int) -> None:
+        order = {"order": "ask", "number": number, "call": dataclasses.asdict(CALL)}
+        self.orders.write(json.dumps(order).encode())
+
+    @property
+    def told(self) -> list[dict[str, Any]]:
+        return [json.loads(payload) for _, payload in self.heard.since(0)[0]]
+
+
+@pytest.fixture
+def called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Called:
+    return Called(tmp_path, monkeypatch)
+
+
+def test_nothing_is_kept_of_calls_that_are_over(called: Called) -> None:
+    caller = called.caller
     for number in range(1, 4):
-        orders.write(json.dumps({"order": "ask", "number": number, "call": dataclasses.asdict(CALL)}).encode())
-    ears.turn()
+        called.ask(number)
+    called.turn()
     requests = [weakref.ref(asked) for asked in caller._asked.values()]
-    for answer in (client.waiting.pop(0), client.waiting.pop(0)):
+    for answer in (called.client.waiting.pop(0), called.client.waiting.pop(0)):
         answer(SimpleNamespace(cancelled=lambda: False, result=Message))
-    ears.turn()
-    told = [json.loads(payload) for _, payload in heard.since(0)[0]]
-    assert [one["number"] for one in told if one["state"] == "success"] == [1, 2]
+    called.turn()
+    assert [one["number"] for one in called.told if one["state"] == "success"] == [1, 2]
     del answer
     gc.collect()
     assert [request() is None for request in requests] == [True, True, False]
     assert not caller.idle
     caller.end()
-    ears.turn()
+    called.turn()
     assert caller.idle
+
+
+def test_orders_that_are_lost_are_told_and_no_call_goes_on_that_may_have_been_dropped(called: Called) -> None:
+    called.ask(1)
+    called.turn()
+    assert list(called.caller._asked) == [1]
+    for number in range(2, 13):  # while the gateway is busy; there is room for eight
+        called.ask(number)
+    called.turn()
+    (lost,) = [told["lost"] for told in called.told if "lost" in told]
+    assert list(called.caller._asked) == list(range(2 + lost, 13))
+    assert lost > 0

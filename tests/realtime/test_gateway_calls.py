@@ -85,3 +85,13 @@ def test_what_is_too_long_fails_at_once(calls: GatewayCalls) -> None:
     assert answer.state == "failure"
     assert "/say cannot be asked" in answer.text
     assert "512 bytes" in answer.text
+
+
+def test_calls_of_which_the_gateway_may_never_have_heard_fail(calls: GatewayCalls, ring: RingReader) -> None:
+    begun, over = calls.ask(ACTION), calls.ask(SERVICE)
+    calls.hear(told(over, "success"))
+    calls.hear({"lost": 3})
+    why = "nobody heard what became of /lift: the gateway was busy, and 3 of the things it was told are lost"
+    assert calls.answer(begun) == Answer("failure", why)
+    assert calls.answer(over).state == "success"
+    assert [order["order"] for order in orders(ring)] == ["ask", "ask", "drop"]
