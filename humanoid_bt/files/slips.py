@@ -190,11 +190,18 @@ def _brackets(page: _Page) -> Slip | None:
     before = page.here.raw[: page.column]
     if ";" in before[max(before.rfind(","), 0) :]:
         return page.here.slip("';' separates nothing", "write a comma", before.rfind(";"))
-    rest = page.here.raw[page.column :]
+    return _between_parts(page)
+
+
+def _between_parts(page: _Page) -> Slip | None:
+    """Return what is wrong between two parts of a list or mapping in brackets."""
+    before, rest = page.here.raw[: page.column], page.here.raw[page.column :]
     words = before.split()[-1:] if rest.startswith(":") else rest.split()[:1]
     column = page.here.raw.rfind(words[0], 0, page.column + len(words[0])) if words else -1
     if column < 0:  # YAML counts other columns behind a byte order mark
         return None
+    if rest.startswith(":") and before[:column].rstrip().endswith(":"):
+        return page.here.slip("a mapping in a mapping needs braces of its own", f"{{{words[0]}: ...}}", column)
     return page.here.slip(f"a comma is missing before {words[0]!r}", f", {words[0]}", column)
 
 

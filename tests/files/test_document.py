@@ -69,6 +69,8 @@ def test_kinds_in_words() -> None:
         ("# only a comment\n", "f.yaml:1:1", "the file is empty"),
         ("a: 1\na: 2", "f.yaml:2:1", "the key 'a' stands twice"),
         ("a: [1, 2", "f.yaml:1:4", "the bracket [ is not closed"),
+        ("a: {b: 1 c: 2}", "f.yaml:1:10", "a comma is missing before 'c'"),
+        ("a: {b: c: 2, d: 3}", "f.yaml:1:8", "a mapping in a mapping needs braces of its own"),
         ("a: b: c", "f.yaml:1:5", "a second colon in one line"),
         ("a: \x00", "f.yaml:1:4", "not valid YAML: the character U+0000 is not allowed"),
         ("a: 1\nb: \x01", "f.yaml:2:4", "not valid YAML: the character U+0001 is not allowed"),
