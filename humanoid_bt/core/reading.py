@@ -195,12 +195,14 @@ def _convert_union(args: tuple[Any, ...], item: Item, spec: Param) -> Any:
     kinds = [arg for arg in args if arg is not type(None)]
     if len(kinds) == 1:
         return _convert(kinds[0], item, spec)
+    lists = [kind for kind in kinds if typing.get_origin(kind) in (list, tuple)]
     for kind in kinds:
         try:
             return _convert(kind, item, spec)
         except UserError:
-            if kind in (float, int) and _is_number(item.value):
-                raise  # it is out of bounds, which says more than what else it could be
+            meant = kind in (float, int) if _is_number(item.value) else isinstance(item.value, list) and [kind] == lists
+            if meant:
+                raise  # what is wrong with it says more than what else it could be
     raise _wrong(item, spec, spec.type)
 
 

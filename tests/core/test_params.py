@@ -35,6 +35,7 @@ class Example:
     point: tuple[float, float] = param((0.0, 0.0), unit="m", doc="A point.")
     names: list[str] = param([], doc="Names.")
     gains: dict[str, float] = param({}, doc="Gains.")
+    scale: float | list[float] = param(1.0, minimum=0, doc="A scale.")
     inner: Inner = param(Inner(0.0), doc="Inner.")
     anything: Any = param(None, doc="Anything.")
 
@@ -93,6 +94,10 @@ def test_conversion(name: str, text: str, expected: Any) -> None:
         ("much", "al", "'much' must be all | one or whole number, not text 'al'"),
         ("much", "0", "'much' must be >= 1, not 0"),
         ("much", "true", "'much' must be all | one or whole number, not a boolean True"),
+        ("scale", "true", "'scale' must be a number or list of numbers, not a boolean True"),
+        ("scale", "-1", "'scale' must be >= 0, not -1"),
+        ("scale", "[1, .inf]", "'scale' must be finite, not inf"),
+        ("scale", "[1, a]", "'scale' must be a number, not text 'a'"),
         ("target", "3", "'target' must be a percept, not a number 3"),
         ("text", "true", "'text' must be text, not a boolean True"),
         ("flag", "1", "'flag' must be true or false, not a number 1"),
