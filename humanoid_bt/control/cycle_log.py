@@ -240,7 +240,7 @@ class CycleLog:
         for place, side in enumerate(SIDES, 4):
             error = body.hand_error(side)
             plan[place] = NONE if error is None else error
-        yield
+            yield
         if body is not self._body:
             self._body, self._com_error = body, _bytes(body.com_error)
         com_error[:] = self._com_error
