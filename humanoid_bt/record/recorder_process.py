@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.01  # s between two looks at what came in
+_GATHERING = 0.05  # s for which what comes in is gathered: what is done at one go takes half of the time of one by one
 _SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
 _SAVE_LOCKSTEP = 0.1  # s of a run that another one repeats to the bit
 _SILENCE = 1.0  # s without a call after which what came otherwise is written
@@ -49,7 +50,7 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = io.BufferedReader(_Unhurried(end, self._idle), _CHUNK)
+        self._source = io.BufferedReader(_Unhurried(end, self._idle, self._patience), _CHUNK)
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
@@ -138,6 +139,10 @@ class RecorderProcess:
             self._heard = time.monotonic()
             self._recorder.write()
 
+    def _patience(self) -> float:
+        """Return how long what came in may wait [s]."""
+        return 0.0 if self._recorder is None or self._recorder.follows else _GATHERING
+
     def _outlast_control(self) -> None:
         """Go on as long as control does, which holds the robot when decision is gone."""
         while self._recorder is not None and self._recorder.control_lives:
@@ -167,22 +172,45 @@ class _Unhurried(io.RawIOBase):
 
     Args:
         end: of the stream.
-        idle: done at every look that finds nothing.
+        idle: done at every look that finds nothing to hand on.
+        patience: returns how long what came in may wait for more [s]; at the stream's end nothing waits.
     """
 
-    def __init__(self, end: socket.socket, idle: Callable[[], None]) -> None:
-        self._end, self._idle = end, idle
+    def __init__(self, end: socket.socket, idle: Callable[[], None], patience: Callable[[], float]) -> None:
+        self._end, self._idle, self._patience = end, idle, patience
+        self._gathered = memoryview(b"")
+        self._due = 0.0  # when it is handed on, on the monotonic clock [s]
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: WriteableBuffer) -> int:
+        view = memoryview(buffer)
+        if not self._gathered:
+            self._gathered = memoryview(self._gather())
+        size = min(len(view), len(self._gathered))
+        view[:size], self._gathered = self._gathered[:size], self._gathered[size:]
+        return size
+
+    def _gather(self) -> bytes:
+        """Return what came in; nothing at the stream's end."""
+        parts: list[bytes] = []
         while True:
             try:
-                return self._end.recv_into(buffer, 0, socket.MSG_DONTWAIT)
+                parts.append(self._end.recv(_CHUNK, socket.MSG_DONTWAIT))
+            except ConnectionError:  # closed by somebody who has not heard all that was said
+                break
             except BlockingIOError:
+                now = time.monotonic()
+                if parts and now >= self._due:
+                    self._due = now + self._patience()
+                    break
                 self._idle()
                 time.sleep(_PAUSE)
+                continue
+            if not parts[-1]:
+                break
+        return b"".join(parts)
 
 
 class _Telling(logging.Handler):

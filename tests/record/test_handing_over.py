@@ -196,8 +196,33 @@ def test_a_recorder_that_fails_is_left_to_close_its_file(monkeypatch: pytest.Mon
 
 def test_while_nothing_comes_there_is_time_for_other_things(ends: tuple[socket.socket, socket.socket]) -> None:
     one, other = ends
-    source = _Unhurried(other, lambda: one.sendall(b"x"))
+    source = _Unhurried(other, lambda: one.sendall(b"x"), lambda: 0.0)
     assert source.readinto(bytearray(10)) == 1
+
+
+def test_what_comes_in_is_gathered_for_a_while_but_not_at_the_end(ends: tuple[socket.socket, socket.socket]) -> None:
+    one, other = ends
+    source, buffer = _Unhurried(other, lambda: one.sendall(b"x"), lambda: 0.05), bytearray(100)
+    one.sendall(b"first")
+    assert source.readinto(buffer) == 5
+    one.sendall(b"more")
+    assert source.readinto(buffer) > 5  # with what came in meanwhile
+    one.sendall(b"last")
+    one.close()
+    began = time.monotonic()
+    assert source.readinto(buffer) == 4
+    assert source.readinto(buffer) == 0
+    assert time.monotonic() - began < 0.04
+
+
+def test_what_was_gathered_is_handed_on_though_the_other_end_broke(ends: tuple[socket.socket, socket.socket]) -> None:
+    one, other = ends
+    source = _Unhurried(other, one.close, lambda: 0.0)
+    other.sendall(b"an answer that nobody reads")
+    one.sendall(b"last")
+    one.close()
+    assert source.readinto(bytearray(100)) == 4
+    assert source.readinto(bytearray(100)) == 0
 
 
 @pytest.mark.parametrize("pace", [(True, 0.03), (False, 0.1)], ids=["realtime", "lockstep"])
