@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pyarrow as pa
@@ -25,28 +25,33 @@ def entity(*parts: str) -> str:
     return "/".join(rr.escape_entity_path_part(part) for part in parts)
 
 
-def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any, *, lasting: bool = False) -> None:
+Times: TypeAlias = Sequence[float] | Array | rr.TimeColumn
+"""Engine times of rows [s], or the column that :func:`time_column` makes of them: once for many entities."""
+
+
+def send(stream: Any, path: str, times: Times, columns: Any, *, lasting: bool = False) -> None:
     """Write rows of one entity.
 
     Args:
         stream: where they go, a :class:`~humanoid_bt.record.feed.Feed`.
         path: the entity.
-        times: engine time of each row [s].
+        times: of the rows.
         columns: what ``Archetype.columns`` returns, one entry per row.
         lasting: whether the last row holds until the next one: a file that begins meanwhile begins with it.
     """
-    stream.send_columns(path, [time_column(times)], columns, lasting=lasting)
+    index = times if isinstance(times, rr.TimeColumn) else time_column(times)
+    stream.send_columns(path, [index], columns, lasting=lasting)
 
 
 def send_sets(
-    stream: Any, path: str, times: Sequence[float], columns: Any, lengths: Sequence[int], *, lasting: bool = False
+    stream: Any, path: str, times: Times, columns: Any, lengths: Sequence[int], *, lasting: bool = False
 ) -> None:
     """Write rows of one entity that hold any number of instances each, none included.
 
     Args:
         stream: where they go, a :class:`~humanoid_bt.record.feed.Feed`.
         path: the entity.
-        times: engine time of each row [s].
+        times: of the rows.
         columns: what ``Archetype.columns`` returns for all instances of all rows.
         lengths: number of instances of each row.
         lasting: as for :func:`send`.

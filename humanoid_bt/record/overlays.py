@@ -25,7 +25,7 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.batch import Batch
-from humanoid_bt.record.columns import Color, entity, send, send_sets, strips
+from humanoid_bt.record.columns import Color, entity, send, send_sets, strips, time_column
 from humanoid_bt.record.scene_view import WORLD
 from humanoid_bt.robot.config import SoleConfig
 
@@ -137,11 +137,11 @@ class Overlays:
         velocity = np.array([state.com_velocity[:2] for state, _ in samples])
         # Divergent component of motion of the linear inverted pendulum: x + v / omega.
         period = np.sqrt(np.maximum(com[:, 2:], 0.05) / _GRAVITY)
-        points = np.full((len(times), 2, 3), _LIFT)
+        points = np.full((len(samples), 2, 3), _LIFT)
         points[:, 0, :2] = com[:, :2]
         points[:, 1, :2] = com[:, :2] + velocity * period
         columns = rr.Points3D.columns(positions=points.reshape(-1, 3))
-        send_sets(stream, f"{WORLD}/balance/points", times, columns, [2] * len(times))
+        send_sets(stream, f"{WORLD}/balance/points", times, columns, [2] * len(samples))
         polygons = [self._support(state) for state, _ in samples]
         lines = rr.LineStrips3D.columns(strips=strips([polygon for polygon in polygons if polygon]))
         send_sets(stream, f"{WORLD}/balance/support", times, lines, [int(bool(polygon)) for polygon in polygons])
@@ -244,8 +244,8 @@ class Overlays:
         return [(x, y, _LIFT) for x, y in (*outline, outline[0])]
 
 
-def _times(samples: _Samples) -> list[float]:
-    return [state.time for state, _ in samples]
+def _times(samples: _Samples) -> rr.TimeColumn:
+    return time_column([state.time for state, _ in samples])
 
 
 def _axes(target: HandTarget) -> list[tuple[Array, Array, Color]]:

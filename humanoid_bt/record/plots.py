@@ -13,7 +13,7 @@ import rerun as rr
 from humanoid_bt.core.messages import SIDES, Array, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.batch import Batch
-from humanoid_bt.record.columns import Color, entity, send
+from humanoid_bt.record.columns import Color, Times, entity, send, time_column
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.soft_limits import soft_limits
@@ -121,7 +121,7 @@ class Plots:
     def _draw_percepts(self, stream: Any, samples: _Samples) -> None:
         for name in sorted({name for _, tracks in samples for name in tracks}):
             seen = [(state.time, tracks[name]) for state, tracks in samples if name in tracks]
-            times = [time for time, _ in seen]
+            times = time_column([time for time, _ in seen])
             paths = {
                 CONFIDENCE: [track.confidence for _, track in seen],
                 AGE: [track.age for _, track in seen],
@@ -131,7 +131,7 @@ class Plots:
                 color = PALETTE[len(self._percepts) % len(PALETTE)]
                 for path in (*paths, SEEN):
                     _style(stream, entity(*path.split("/"), name), [name], [color], _THIN)
-                _scalars(stream, entity(*SEEN.split("/"), name), times[:1], np.array([np.nan]), lasting=True)
+                _scalars(stream, entity(*SEEN.split("/"), name), [seen[0][0]], np.array([np.nan]), lasting=True)
                 self._percepts.add(name)
             for path, values in paths.items():
                 _scalars(stream, entity(*path.split("/"), name), times, np.array(values))
@@ -147,12 +147,12 @@ def _draw_body(stream: Any, samples: _Samples) -> None:
         _scalars(stream, path, times, values)
 
 
-def _states(samples: _Samples) -> tuple[list[float], list[State]]:
-    """Return times [s] and states."""
-    return [state.time for state, _ in samples], [state for state, _ in samples]
+def _states(samples: _Samples) -> tuple[rr.TimeColumn, list[State]]:
+    """Return times and states."""
+    return time_column([state.time for state, _ in samples]), [state for state, _ in samples]
 
 
-def _scalars(stream: Any, path: str, times: Sequence[float], values: Array, *, lasting: bool = False) -> None:
+def _scalars(stream: Any, path: str, times: Times, values: Array, *, lasting: bool = False) -> None:
     send(stream, path, times, rr.Scalars.columns(scalars=values), lasting=lasting)
 
 
