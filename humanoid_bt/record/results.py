@@ -48,8 +48,12 @@ class ResultSeries:
         self._rows.draw(partial(self._draw, stream))
 
     def _draw(self, stream: Any, rows: Sequence[tuple[_Series, float, float]]) -> None:
-        for path, name, unit in dict.fromkeys(series for series, _, _ in rows):
-            times, values = zip(*((time, value) for of, time, value in rows if of == (path, name, unit)), strict=True)
+        found: dict[_Series, tuple[list[float], list[float]]] = {}
+        for key, time, value in rows:
+            times, values = found.setdefault(key, ([], []))
+            times.append(time)
+            values.append(value)
+        for (path, name, unit), (times, values) in found.items():
             series = entity(RESULTS, KINDS.get(unit, OTHERS), path, name)
             if series not in self._begun:
                 color = PALETTE[len(self._begun) % len(PALETTE)]
