@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Container, Mapping
 from typing import Any
@@ -84,7 +85,7 @@ class _Lane:
             return
         if not self._written:
             self._written = True
-            stream.log(self.path, _configuration(self._look), static=True)
+            stream.log(self.path, _configuration(tuple(self._look.items())), static=True)
         columns = rr.StateChange.columns(state=[state for _, state in self._changes])
         send(stream, self.path, [time for time, _ in self._changes], columns, lasting=True)
         self._changes.clear()
@@ -142,10 +143,12 @@ def _in_entity(name: str) -> str:
     return "".join(c if c.isascii() and (c.isalnum() or c == "-") else "_" for c in words)
 
 
-def _configuration(look: _Look) -> Any:
+@functools.cache
+def _configuration(look: tuple[tuple[str, Color], ...]) -> Any:
+    states, colors = zip(*look, strict=True)
     return rr.StateConfiguration(
-        values=list(look),
-        labels=[state.lower().replace("_", " ") for state in look],
-        colors=list(look.values()),
-        visible=[color != _HIDDEN for color in look.values()],
+        values=states,
+        labels=[state.lower().replace("_", " ") for state in states],
+        colors=colors,
+        visible=[color != _HIDDEN for color in colors],
     )
