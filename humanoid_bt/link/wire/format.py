@@ -156,6 +156,7 @@ class Cursor:
             raise WireError(f"{len(self.data) - self.offset} bytes after the end of the message")
 
 
+@functools.lru_cache(256)  # most are the same from tick to tick
 def pack_text(text: str) -> bytes:
     """Return a text as UTF-8 after its size; what UTF-8 cannot hold becomes an escape.
 

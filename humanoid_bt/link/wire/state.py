@@ -34,10 +34,11 @@ _GAIT_INDEX = {gait: index for index, gait in enumerate(_GAITS)}
 _MODE_INDEX = {mode: index for index, mode in enumerate(_MODES)}
 _SIDES_OF_BITS: tuple[tuple[Side, ...], ...] = ((), SIDES[:1], SIDES[1:], SIDES)
 _JOINT_ARRAYS = 5
-_COVARIANCE = np.triu_indices(9)  # it is symmetric
+_UPPER = np.triu_indices(9)
+_COVARIANCE = np.ravel_multi_index(_UPPER, (9, 9))  # places of the elements that are sent: it is symmetric
 _WHOLE_COVARIANCE = np.zeros((9, 9), np.intp)  # of each element, its place among those
-_WHOLE_COVARIANCE[_COVARIANCE] = _WHOLE_COVARIANCE.T[_COVARIANCE] = np.arange(len(_COVARIANCE[0]))
-_FIXED_SIZES = (3, 4, 3, 3, len(_COVARIANCE[0]), 3, 3, 3, 3, 3)  # of the arrays after those of the joints
+_WHOLE_COVARIANCE[_UPPER] = _WHOLE_COVARIANCE.T[_UPPER] = np.arange(len(_COVARIANCE))
+_FIXED_SIZES = (3, 4, 3, 3, len(_COVARIANCE), 3, 3, 3, 3, 3)  # of the arrays after those of the joints
 _V = TypeVar("_V")
 
 
@@ -72,7 +73,7 @@ def encode_state(state: State) -> bytes:
         state.base_quaternion,
         state.base_linear_velocity,
         state.base_angular_velocity,
-        state.base_covariance[_COVARIANCE],
+        state.base_covariance.take(_COVARIANCE),
         state.com,
         state.com_velocity,
         state.stance,
@@ -162,7 +163,7 @@ def decode_state(data: bytes | memoryview) -> State:
         base_quaternion=block.take(4),
         base_linear_velocity=block.take(3),
         base_angular_velocity=block.take(3),
-        base_covariance=_symmetric(block.take(len(_COVARIANCE[0]))),
+        base_covariance=_symmetric(block.take(len(_COVARIANCE))),
         com=block.take(3),
         com_velocity=block.take(3),
         stance=block.take(3),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import struct
 from collections.abc import Mapping
 
@@ -54,7 +55,7 @@ def unpack_targets(cursor: Cursor, count: int) -> dict[str, Target]:
 
 def pack_sources(sources: Mapping[str, str]) -> bytes:
     """Return the sources of targets one after the other; their number is not in it."""
-    return b"".join([_RESOURCE.pack(_index(resource)) + pack_path(path) for resource, path in sources.items()])
+    return b"".join([_pack_source(resource, path) for resource, path in sources.items()])
 
 
 def unpack_sources(cursor: Cursor, count: int) -> dict[str, str]:
@@ -64,6 +65,11 @@ def unpack_sources(cursor: Cursor, count: int) -> dict[str, str]:
         (resource,) = cursor.take(_RESOURCE)
         sources[_resource(resource, sources)] = cursor.text()
     return sources
+
+
+@functools.lru_cache(64)  # the same ones in every tick, of the state and of the command
+def _pack_source(resource: str, path: str) -> bytes:
+    return _RESOURCE.pack(_index(resource)) + pack_path(path)
 
 
 def _pack_target(resource: int, target: Target) -> bytes:
