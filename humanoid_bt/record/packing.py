@@ -171,4 +171,5 @@ def _folded(numbers: NDArray[np.int32]) -> NDArray[np.int32]:
 
 def _by_byte(steps: NDArray[np.int32]) -> bytes:
     """Return first all lowest bytes, column by column, then all second ones and so on."""
-    return steps.view(np.uint8).reshape(*steps.shape, 4).transpose(2, 1, 0).tobytes()
+    columns = np.ascontiguousarray(steps.T)
+    return b"".join([(columns >> shift).astype(np.uint8).tobytes() for shift in (0, 8, 16, 24)])
