@@ -66,6 +66,8 @@ class RemoteRecorder:
         with other:
             self._process = _start(other, core)
         self._outbox = Outbox(self._end, _PATIENCE if waits else 0.0)
+        self._ears = select.poll()
+        self._ears.register(self._end, select.POLLIN)
         self._finalize = weakref.finalize(self, _end_process, self._process, self._end)
         _ends.add(self._end)
         self._inbox, self._news = b"", list[tuple[Level, str]]()
@@ -247,10 +249,8 @@ class RemoteRecorder:
     def _follow(self) -> None:
         """Hear all that the recorder has said, to its end if it has ended."""
         try:
-            while not self._over:
+            while not self._over and self._ears.poll(0):
                 self._hear()
-        except BlockingIOError:
-            pass
         except OSError:
             if how := how_ended(self._process):  # else it is about to
                 self._lose(f"the recorder process ended ({how})")
@@ -266,8 +266,7 @@ class RemoteRecorder:
         """Take what there is.
 
         Raises:
-            BlockingIOError: there is nothing.
-            OSError: there never will be.
+            OSError: there never will be anything.
         """
         data = self._end.recv(1 << 16)
         if not data:
@@ -291,10 +290,8 @@ class RemoteRecorder:
             Stuck: there was no sign of life for so long [s].
             OSError: there will be none.
         """
-        poll = select.poll()
-        poll.register(self._end, select.POLLIN)
         while not self._answers:
-            if self._over or not poll.poll(1000 * patience):
+            if self._over or not self._ears.poll(1000 * patience):
                 raise Stuck
             self._hear()
         return self._answers.pop(0)
