@@ -20,6 +20,8 @@ GRAVITY = 9.81
 class RobotDynamics:
     """Kinematics and dynamics of the estimated robot; everything in the world frame.
 
+    Its arrays are the same ones always: whoever keeps what they say copies it.
+
     Args:
         robot: the robot.
 
@@ -49,28 +51,24 @@ class RobotDynamics:
         self.motions: Array = data.cdof
         self._qpos, self._qvel = data.qpos, data.qvel
         self.origin: Array = data.subtree_com[model.body_rootid[self._base]]
-        self.com: Array = np.zeros(3)
-        self.com_velocity: Array = np.zeros(3)
-        self.sole_positions: Array = np.zeros((2, 3))
-        self.soles: dict[Side, Array] = {}
-        self.footings: dict[Side, Array] = {}
+        rows: Array = np.zeros((8, 3))
+        self.com: Array = rows[0]
+        self.com_velocity: Array = rows[1]
+        self.sole_positions: Array = rows[2:4]
+        self.soles: dict[Side, Array] = {"left": rows[4], "right": rows[5]}
+        self.footings: dict[Side, Array] = {"left": rows[6], "right": rows[7]}
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
         self._kept = (  # what :func:`_update` is called with each time
-            *self.addresses, data.qpos, self.bias, data.qfrc_spring, data.subtree_com[self._base],
+            rows, self._tilt, *self.addresses, data.qpos, self.bias, data.qfrc_spring, data.subtree_com[self._base],
             data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
             robot.config.feet_roll,
         )  # fmt: skip
 
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
-        rows = np.empty((8, 3))
         self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
-        _update(rows, self._tilt, *self._kept)
-        self.com, self.com_velocity, *soles = rows
-        self.sole_positions = rows[2:4]
-        self.soles = {"left": soles[2], "right": soles[3]}
-        self.footings = {"left": soles[4], "right": soles[5]}
+        _update(*self._kept)
         self.roll, self.pitch = self._tilt.tolist()
 
     @property
