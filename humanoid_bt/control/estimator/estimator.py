@@ -69,6 +69,7 @@ class Estimator:
         self.load = FootLoad(robot, dynamics)
         self.contact = ContactObserver(robot, dynamics)
         self._ground = Ground()
+        self._sole_heights: Array = dynamics.sole_positions[:, 2]
         self._feels = sensors.foot_force is not None
         self._rolls_below = _ROLLS_BELOW * robot.mass * GRAVITY
         self.estimate = Estimate(
@@ -121,7 +122,7 @@ class Estimator:
         dynamics.update(estimate)
         self.load.reset()
         self.contact.reset()
-        self._ground.reset(dynamics.sole_positions[:, 2])
+        self._ground.reset(self._sole_heights)
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
         self._force[:] = reading.accelerometer
@@ -199,7 +200,7 @@ class Estimator:
         self._missed = self._gap = 0
         self._clear()
         self._note_contact(time)
-        self._ground.land(dynamics.sole_positions[:, 2], self.load.standing)
+        self._ground.land(self._sole_heights, self.load.standing)
         if self._lost > _LOST_AFTER:
             self._rest(reading)
         else:
@@ -230,7 +231,7 @@ class Estimator:
         if self._feels and not self.watch.bad_feet:
             self.load.sensed(reading.foot_force)
         self.contact.forget()
-        self._move_by_leg(int(np.argmin(self._dynamics.sole_positions[:, 2])), 1.0, math.inf)
+        self._move_by_leg(int(np.argmin(self._sole_heights)), 1.0, math.inf)
         self.estimate.qvel[:3] = self._filter.velocity
         self._dynamics.update(self.estimate)
 
@@ -326,7 +327,7 @@ class Estimator:
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
         position = self._filter.position
-        height = position[2] - self._dynamics.sole_positions[:, 2].min()
+        height = position[2] - self._sole_heights.min()
         if "orientation" in self.watch.failed:
             return
         self._filter.rest(self._headed(reading.orientation), np.array([position[0], position[1], height]))

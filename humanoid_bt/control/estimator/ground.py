@@ -39,6 +39,8 @@ class Ground:
             standing: whether each is on the ground.
         """
         heights, stood = self.heights, self._stood
+        if standing == stood:
+            return
         for foot, stands in enumerate(standing):
             if stands and not stood[foot]:
                 other, height = heights[1 - foot], feet.item(foot)
@@ -48,7 +50,7 @@ class Ground:
     def sink(self, time: float) -> float:
         """Return by how much everything sinks in a time [s], seen from the ground that the robot stands on now [m]."""
         (left, right), stood = self.heights, self._stood
-        if not any(stood) or left == right == 0:
+        if left == right == 0 or not any(stood):
             return 0.0
         mean = (left + right) / 2 if all(stood) else left if stood[0] else right
         sinks = mean * (1 - math.exp(-time / _SETTLE_TIME))
