@@ -211,7 +211,7 @@ class Estimator:
 
     def _note_forces(self, reading: Reading, doubtful: bool, time: float) -> None:
         """Note what touches the ground and the robot, by what accelerated it for a time [s]."""
-        acceleration, felt = self._acceleration, self._filter.acceleration(self._imu[:3])
+        acceleration, felt = self._acceleration, self._filter.acceleration
         if self._feels and not self.watch.bad_feet:
             self.load.sensed(reading.foot_force)
         else:

@@ -70,6 +70,7 @@ class InvariantFilter:
         quaternion: of the base, shape (4,).
         velocity, position: of the base, world frame, shape (3,) [m/s], [m].
         gyro_bias, accelerometer_bias: base frame, shape (3,) [rad/s], [m/s^2].
+        acceleration: of the base by the accelerometer in the last prediction, world frame, shape (3,) [m/s^2].
     """
 
     def __init__(self, noise: FilterNoise | None = None) -> None:
@@ -81,6 +82,7 @@ class InvariantFilter:
         points = self._state[:12].reshape(4, 3)
         self.velocity, self.position, self._feet = points[0], points[1], points[2:]
         self.gyro_bias, self.accelerometer_bias = self._state[12:15], self._state[15:18]
+        self.acceleration: Array = np.zeros(3)
         self._covariance: Array = np.zeros((_SIZE, _SIZE))
         self._scratch = np.zeros((_SIZE, _SIZE))
         self._lever = np.zeros((_TURNED, 3))  # what a small turn of the world does to what it turns
@@ -143,16 +145,6 @@ class InvariantFilter:
         """What the accelerometer would say at rest, base frame, shape (3,) [m/s^2]."""
         return np.asarray(self._turn[2] * GRAVITY + self.accelerometer_bias)
 
-    def acceleration(self, force: Array) -> Array:
-        """Return the base's acceleration, world frame, shape (3,) [m/s^2].
-
-        Args:
-            force: what the accelerometer says, base frame, shape (3,) [m/s^2].
-        """
-        acceleration = np.empty(3)
-        _acceleration(self._turn, force, self.accelerometer_bias, acceleration)
-        return acceleration
-
     def level(self, tilt: Array) -> Array:
         """Turn the base back by what something level seems to be tilted; return by how much, base frame, shape (3,).
 
@@ -177,7 +169,7 @@ class InvariantFilter:
             force: specific force, which is what an accelerometer measures, base frame, shape (3,) [m/s^2].
             time: [s].
         """
-        _predict(self._state, self.quaternion, self._turn, rate, force, time)
+        _predict(self._state, self.quaternion, self._turn, self.acceleration, rate, force, time)
 
     def doubt(self, time: float, slip: tuple[float, float]) -> None:
         """Let the covariance grow by what predictions over a time [s] add to it.
@@ -240,8 +232,10 @@ class InvariantFilter:
         )  # fmt: skip
 
 
-@compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8)")
-def _predict(state: Array, quaternion: Array, turned: Array, rate: Array, force: Array, time: float) -> None:
+@compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8)")
+def _predict(
+    state: Array, quaternion: Array, turned: Array, acceleration: Array, rate: Array, force: Array, time: float
+) -> None:
     """See :meth:`InvariantFilter.predict`."""
     wx, wy, wz = rate[0] - state[12], rate[1] - state[13], rate[2] - state[14]
     fx, fy, fz = force[0] - state[15], force[1] - state[16], force[2] - state[17]
@@ -255,14 +249,8 @@ def _predict(state: Array, quaternion: Array, turned: Array, rate: Array, force:
         state[3 + i] += (state[i] + gain / 2) * time
         state[i] += gain
     turn(quaternion, turned, wx * time, wy * time, wz * time)
-
-
-@compiled("void(f8[:, ::1], f8[::1], f8[::1], f8[::1])")
-def _acceleration(turned: Array, force: Array, bias: Array, acceleration: Array) -> None:
-    """See :meth:`InvariantFilter.acceleration`."""
-    x, y, z = force[0] - bias[0], force[1] - bias[1], force[2] - bias[2]
     for i in range(3):
-        acceleration[i] = turned[i, 0] * x + turned[i, 1] * y + turned[i, 2] * z
+        acceleration[i] = turned[i, 0] * fx + turned[i, 1] * fy + turned[i, 2] * fz
     acceleration[2] -= GRAVITY
 
 
