@@ -84,9 +84,15 @@ class Estimator:
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._acceleration: Array = np.zeros(BASE_DOFS + joints)
+        belief = self._filter
+        self._believed = (  # what :func:`_believe` is called with each time
+            qpos, qvel, self.estimate.joint_torque, self._velocity_before, self._acceleration,
+            belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
+        )  # fmt: skip
         self._sums: Array = np.zeros(len(Reading(joints).rates))  # of what was heard since the last update
         self._means: Array = np.zeros_like(self._sums)
         self._imu, self._torque = self._means[:6], self._means[-joints:]
+        self._specific_force, self._turning = self._imu[:3], self._imu[3:]
         self._force: Array = np.zeros(3)  # what the accelerometer said last when it was not doubted [m/s^2]
         self.heard = self._since = self._turn = 0
         self._missed = 0  # servo periods since the last update of which nothing was heard that is believed
@@ -170,23 +176,21 @@ class Estimator:
                 that failed, shape (3, nj).
         """
         estimate, dynamics, belief, watch = self.estimate, self._dynamics, self._filter, self.watch
-        heard, qvel, imu = self.heard, estimate.qvel, self._imu
-        time, missed = (heard + self._missed) * SERVO_PERIOD, self._missed
-        np.divide(self._sums, heard, out=self._means)
+        heard, missed = self.heard, self._missed
+        time = (heard + missed) * SERVO_PERIOD
+        finite = _average(self._sums, heard, self._means)
         self._watch(reading, time)
-        doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
+        if watch.doubted:
+            finite = math.isfinite(sum(self._imu.tolist()))
+        doubtful = bool(watch.failed) or not finite
         if doubtful:
-            self._without_imu(reading, imu, time)
+            self._without_imu(reading, self._imu, time)
         else:
             self._said = None
-        belief.predict(imu[3:], imu[:3], time)
+        belief.predict(self._turning, self._specific_force, time)
         if missed:
             self._retake_tilt(reading)
-        _believe(
-            estimate.qpos, qvel, estimate.joint_torque, self._velocity_before,
-            belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
-            imu[3:] if doubtful else reading.gyro, reading.values, reading.joint_torque, time, self._acceleration,
-        )  # fmt: skip
+        _believe(self._turning if doubtful else reading.gyro, reading.values, time, *self._believed)
         if watch.any_bad:
             self._stand_in(setpoint, time)
         dynamics.update(estimate)
@@ -197,8 +201,7 @@ class Estimator:
         if "accelerometer" in watch.failed:
             self._move_by_leg(self._loaded, _LEGS_SHARE, _LEGS_MOST)
         self._since += heard + missed
-        self._missed = self._gap = 0
-        self._clear()
+        self._missed = self._gap = self.heard = 0
         self._note_contact(time)
         self._ground.land(self._sole_heights, self.load.standing)
         if self._lost > _LOST_AFTER:
@@ -394,44 +397,56 @@ class Estimator:
         self.heard = 0
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8,"
-    " f8[::1])"
-)
+@compiled("b1(f8[::1], i8, f8[::1])")
+def _average(sums: Array, count: int, means: Array) -> bool:
+    """Write the means of what was summed up so often, begin a new sum, and return whether those of the IMU are finite.
+
+    Args:
+        sums, means: of readings' rates, the IMU's first.
+        count: of readings.
+    """
+    total = 0.0
+    for place in range(len(sums)):
+        means[place] = sums[place] / count
+        sums[place] = 0.0
+        if place < 6:
+            total += means[place]
+    return math.isfinite(total)
+
+
+@compiled("void(f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
 def _believe(
+    rate: Array,
+    values: Array,
+    time: float,
     qpos: Array,
     qvel: Array,
     joint_torque: Array,
     before: Array,
+    acceleration: Array,
     position: Array,
     quaternion: Array,
     velocity: Array,
     gyro_bias: Array,
-    rate: Array,
-    values: Array,
-    torque: Array,
-    time: float,
-    acceleration: Array,
 ) -> None:
     """Write what is believed of base and joints, what was believed of their velocities, and how these change.
 
     Args:
-        qpos, qvel, joint_torque: of the estimate.
-        before: qvel as it was.
-        position, quaternion, velocity, gyro_bias: of the filter.
         rate: what a gyroscope says, shape (3,) [rad/s].
         values: of the reading.
-        torque: of its joints.
         time: since the last estimate [s].
-        acceleration: is written: how much qvel has changed in it, per second.
+        qpos, qvel, joint_torque: of the estimate.
+        before: qvel as it was.
+        acceleration: how much qvel has changed in this time, per second.
+        position, quaternion, velocity, gyro_bias: of the filter.
     """
     before[:] = qvel
     qpos[:3], qpos[3:7], qvel[:3] = position, quaternion, velocity
     for axis in range(3):
         qvel[3 + axis] = rate[axis] - gyro_bias[axis]
-    joints = len(torque)
+    joints = len(joint_torque)
     qpos[7:], qvel[6:] = values[6 : 6 + joints], values[12 + joints : 12 + 2 * joints]
-    joint_torque[:] = torque
+    joint_torque[:] = values[12 + 2 * joints :]
     for dof in range(len(qvel)):
         acceleration[dof] = (qvel[dof] - before[dof]) / time
 
