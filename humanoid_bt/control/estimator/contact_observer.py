@@ -10,7 +10,7 @@ import numpy as np
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.estimator.small_matrices import factored, solved
 from humanoid_bt.control.jacobians import Indices, chains, point_moves
-from humanoid_bt.core.compiled import compiled
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, palm_site
 from humanoid_bt.robot.mujoco_functions import mul_m
@@ -48,19 +48,17 @@ class ContactObserver:
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         model, config = robot.model, robot.config
-        self._dynamics, self._damping = dynamics, robot.model.dof_damping.copy()
+        self._damping = robot.model.dof_damping.copy()
         torso = model.body(config.torso).id
         self._palms: dict[Side, int] = {side: model.site(palm_site(side)).id for side in SIDES if side in config.hands}
         arms = [model.body(config.hands[side].body).id for side in self._palms]
         links = chains(model, [*arms, torso])
         has_waist = bool((links[-1] >= BASE_DOFS).any())
         self._links = links[: len(arms) + has_waist].copy()
-        self._dofs = np.unique(links[links >= BASE_DOFS])
         groups = [f"{side}_arm" for side in self._palms] + [TORSO] * has_waist
         data = dynamics.data
-        places = [data.site_xpos[site] for site in self._palms.values()] + [data.xipos[torso]] * has_waist  # views
-        self._points: Array = np.zeros((len(groups), 3))
-        self._places = list(zip(self._points, places, strict=True))
+        palms = np.array(list(self._palms.values()), dtype=np.int64)
+        self._places = dynamics.motions, dynamics.origin, data.site_xpos, palms, data.xipos[torso], self._links
         size = 3 * len(groups)
         self._jacobian, self._before = np.zeros((2, size, model.nv))
         self._pushed = np.zeros(model.nv)
@@ -73,8 +71,7 @@ class ContactObserver:
         self._learns: Array = np.ones(len(groups))
         self._kept = (  # what :func:`_observe` is called with each time
             *dynamics.addresses, self.residual, self._force, self._carried, self._learns, dynamics.bias,
-            self._damping, data.qvel, dynamics.motions, dynamics.origin, self._points, self._links, self._dofs,
-            self._pushed, self._square,
+            self._damping, data.qvel, *self._places, self._pushed, self._square,
         )  # fmt: skip
 
     def reset(self) -> None:
@@ -103,8 +100,6 @@ class ContactObserver:
             time: [s].
         """
         self._before, self._jacobian = self._jacobian, self._before
-        for point, place in self._places:
-            point[:] = place
         self._learn_time = min(self._learn_time + time, _LEARN_TIMES[1])  # an average, at first
         _observe(acceleration, torque, time, self._learn_time, self._jacobian, self._before, *self._kept)
 
@@ -115,29 +110,75 @@ class ContactObserver:
 
     def _look(self) -> None:
         """Find the Jacobians of palms and torso."""
-        for point, place in self._places:
-            point[:] = place
-        _look(self._dynamics.motions, self._dynamics.origin, self._points, self._links, self._jacobian)
+        _look(*self._places, self._jacobian)
 
 
-@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], f8[:, ::1])")
-def _look(motions: Array, origin: Array, points: Array, links: Indices, jacobian: Array) -> None:
-    """Write how points move, three rows for each.
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1], i8[:, ::1], f8[:, ::1])")
+def _look(
+    motions: Array, origin: Array, sites: Array, palms: Indices, torso: Array, links: Indices, jacobian: Array
+) -> None:
+    """Write how palms and torso move, three rows for each.
 
     Args:
         motions, origin: of the dynamics.
-        points: shape (n, 3) [m].
-        links: the degrees of freedom that move each.
-        jacobian: shape (3 n, nv).
+        sites, palms: positions of all sites, shape (n, 3) [m], and which of them are palms.
+        torso: its centre of mass, shape (3,) [m].
+        links: the degrees of freedom that move each palm, and then those that move the torso if there are any.
+        jacobian: shape (3 len(links), nv).
     """
-    for group in range(len(points)):
-        point_moves(motions, origin, points[group], links[group], jacobian[3 * group : 3 * group + 3])
+    for group in range(len(links)):
+        point = sites[palms[group]] if group < len(palms) else torso
+        point_moves(motions, origin, point, links[group], jacobian[3 * group : 3 * group + 3])
+
+
+@inlined
+def _hold(
+    carried: Array,
+    jacobian: Array,
+    before: Array,
+    links: Indices,
+    acceleration: Array,
+    velocity: Array,
+    time: float,
+    pushed: Array,
+) -> None:
+    """Add what it takes to hold and to move what is carried to what pushes the joints; see :func:`_observe`."""
+    for row in range(len(jacobian)):
+        total = GRAVITY if row % 3 == 2 else 0.0
+        for dof in links[row // 3]:
+            if dof < 0:
+                break
+            total += jacobian[row, dof] * acceleration[dof]
+            total += (jacobian[row, dof] - before[row, dof]) * velocity[dof] / time
+        for dof in links[row // 3]:
+            if dof < 0:
+                break
+            pushed[dof] += carried[row // 3] * total * jacobian[row, dof]
+
+
+@inlined
+def _weigh(jacobian: Array, residual: Array, links: Indices, base: int, force: Array, square: Array) -> None:
+    """Write J r and J J^T, made regular, of the joints: what is solved for the forces; see :func:`_observe`."""
+    for row in range(len(jacobian)):
+        force[row] = 0.0
+        for column in range(row):
+            square[row, column] = 0.0
+        square[row, row] = _SINGULAR
+        for dof in links[row // 3]:  # others do not move this point
+            if dof < 0:
+                break
+            if dof < base:
+                continue
+            moves = jacobian[row, dof]
+            force[row] += moves * residual[dof]
+            for column in range(row + 1):
+                square[row, column] += moves * jacobian[column, dof]
 
 
 @compiled(
     "void(f8[::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1], i8, i8,"
     " f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8[::1], f8[:, ::1])"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
 )
 def _observe(
     acceleration: Array,
@@ -157,9 +198,10 @@ def _observe(
     velocity: Array,
     motions: Array,
     origin: Array,
-    points: Array,
+    sites: Array,
+    palms: Indices,
+    torso: Array,
     links: Indices,
-    dofs: Indices,
     pushed: Array,
     square: Array,
 ) -> None:
@@ -173,37 +215,21 @@ def _observe(
         residual, force, carried: are brought up to date.
         learns: 1 for groups of which it is learnt what they carry, 0 for others.
         bias, damping, velocity: of the dynamics.
-        motions, origin, points, links: as :func:`_look` wants them.
-        dofs: the degrees of freedom that count.
+        motions, origin, sites, palms, torso, links: as :func:`_look` wants them.
         pushed, square: are written.
     """
-    _look(motions, origin, points, links, jacobian)
+    _look(motions, origin, sites, palms, torso, links, jacobian)
     size, base = len(force), len(residual) - len(torque)
     mul_m(model, data, pushed.ctypes, acceleration.ctypes)
     for dof in range(len(residual)):
         pushed[dof] = pushed[dof] + bias[dof] + damping[dof] * velocity[dof] - residual[dof]
     for joint in range(len(torque)):
         pushed[base + joint] -= torque[joint]
-    for row in range(size):  # what it takes to hold and to move what is carried
-        total = GRAVITY if row % 3 == 2 else 0.0
-        for dof in range(len(residual)):
-            total += jacobian[row, dof] * acceleration[dof]
-            total += (jacobian[row, dof] - before[row, dof]) * velocity[dof] / time
-        for dof in range(len(residual)):
-            pushed[dof] += carried[row // 3] * total * jacobian[row, dof]
+    _hold(carried, jacobian, before, links, acceleration, velocity, time, pushed)
     gain = -math.expm1(-_GAIN * time)
     for dof in range(len(residual)):
         residual[dof] += gain * pushed[dof]
-    for row in range(size):
-        total = 0.0
-        for dof in dofs:
-            total += jacobian[row, dof] * residual[dof]
-        force[row] = total
-        for column in range(row + 1):
-            total = _SINGULAR if row == column else 0.0
-            for dof in dofs:
-                total += jacobian[row, dof] * jacobian[column, dof]
-            square[row, column] = total
+    _weigh(jacobian, residual, links, base, force, square)
     factored(square, size)
     solved(square, force)
     for group in range(len(carried)):  # learn what weighs on hands and torso
