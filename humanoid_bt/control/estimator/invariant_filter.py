@@ -29,6 +29,7 @@ _FEET, _GYRO, _ACCELEROMETER, _SOLES = (slice(9, 12), slice(12, 15)), slice(15, 
 _SIZE = 23
 _TURNED = 15  # of these, what a turn of the world turns: orientation, velocity, position, feet
 _ROWS = 10  # of a measurement: position of each foot, heading of each sole, height of each foot
+_UNKNOWN = 1e2  # m^2, the variance of the height of the ground under a foot in the air
 _FALL = np.array([[0.0, GRAVITY, 0.0], [-GRAVITY, 0.0, 0.0], [0.0, 0.0, 0.0]])  # the matrix of gravity x
 
 
@@ -100,6 +101,13 @@ class InvariantFilter:
         self._spread = np.zeros((_ROWS, _ROWS))
         self._doubt: Array = np.full(_ROWS, noise.foot**2)
         self._doubt[6:8], self._doubt[8:] = noise.heading**2, noise.ground**2
+        self._doubted = (  # what :func:`_doubt` is called with each time
+            self._covariance, self._transition, self._state, self._turn, self._growth, self._lever, self._scratch,
+        )  # fmt: skip
+        self._corrected = (  # what :func:`_correct` is called with each time
+            self._state, self._covariance, self.quaternion, self._turn, self._measures, self._doubt, self._lever,
+            self._innovation, self._spread,
+        )  # fmt: skip
 
     def reset(self, quaternion: Array, position: Array) -> None:
         """Begin with a robot at rest at a known place, whose feet are in the air.
@@ -180,14 +188,8 @@ class InvariantFilter:
         """
         if time != self._time:
             self._set_time(time)
-        noise, growth = self._noise, self._growth
-        for foot in range(2):
-            growth[_FEET[foot]] = (noise.slip * slip[foot]) ** 2 * time
-            growth[_SOLES.start + foot] = (noise.twist * slip[foot]) ** 2 * time
-        _doubt(
-            self._covariance, self._transition, self._state, self._turn, growth, noise.gyro**2 * time, time,
-            self._lever, self._scratch,
-        )  # fmt: skip
+        noise = self._noise
+        _doubt(time, *slip, noise.slip, noise.twist, noise.gyro**2 * time, *self._doubted)
 
     def _set_time(self, time: float) -> None:
         noise, transition, growth = self._noise, self._transition, self._growth
@@ -224,11 +226,9 @@ class InvariantFilter:
             standing: whether each foot is on the ground.
             ground: how high that is under each [m].
         """
-        for foot, stands in enumerate(standing):
-            self._doubt[8 + foot] = self._noise.ground**2 if stands else 1e2
         _correct(
-            self._state, self._covariance, self.quaternion, self._turn, feet, headings[0], headings[1],
-            ground[0], ground[1], self._measures, self._doubt, self._lever, self._innovation, self._spread,
+            feet, headings[0], headings[1], standing[0], standing[1], ground[0], ground[1], self._noise.ground**2,
+            *self._corrected,
         )  # fmt: skip
 
 
@@ -265,29 +265,40 @@ def _cross(state: Array, lever: Array) -> None:
         lever[row + 2, 0], lever[row + 2, 1] = -y, x
 
 
-@compiled("void(f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1])")
+@compiled("void(f8, f8, f8, f8, f8, f8, f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1])")
 def _doubt(
+    time: float,
+    left_slip: float,
+    right_slip: float,
+    slip: float,
+    twist: float,
+    turning: float,
     covariance: Array,
     transition: Array,
     state: Array,
     turned: Array,
     growth: Array,
-    turning: float,
-    time: float,
     lever: Array,
     scratch: Array,
 ) -> None:
     """Let the covariance P grow: F P F^T + Q.
 
     Args:
+        time: [s].
+        left_slip, right_slip: how much more than a loaded sole of a robot that steps each sole may move.
+        slip, twist: how much that one does [m/sqrt(s)], [rad/sqrt(s)].
+        turning: variance of what turns everything [rad^2].
         covariance: P.
         transition: F, but for what depends on where the base is.
         state, turned: where it is.
-        growth: the diagonal of Q, but for what turns everything.
-        turning: variance of that [rad^2].
-        time: [s].
+        growth: the rest of the diagonal of Q; what depends on the soles is written.
         lever, scratch: are written.
     """
+    for foot in range(2):
+        more = right_slip if foot else left_slip
+        for axis in range(3):
+            growth[9 + 3 * foot + axis] = (slip * more) ** 2 * time
+        growth[21 + foot] = (twist * more) ** 2 * time
     _cross(state, lever)
     for j in range(3):
         a, b, c = -time * turned[0, j], -time * turned[1, j], -time * turned[2, j]
@@ -310,19 +321,22 @@ def _doubt(
 
 
 @compiled(
-    "void(f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8, f8, f8, f8, f8[:, ::1], f8[::1], f8[:, ::1],"
-    " f8[:, ::1], f8[:, ::1])"
+    "void(f8[:, ::1], f8, f8, b1, b1, f8, f8, f8, f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1],"
+    " f8[:, ::1], f8[:, ::1], f8[:, ::1])"
 )
 def _correct(
+    feet: Array,
+    left_heading: float,
+    right_heading: float,
+    left_stands: bool,
+    right_stands: bool,
+    left_ground: float,
+    right_ground: float,
+    ground_doubt: float,
     state: Array,
     covariance: Array,
     quaternion: Array,
     turned: Array,
-    feet: Array,
-    left_heading: float,
-    right_heading: float,
-    left_ground: float,
-    right_ground: float,
     measures: Array,
     doubt: Array,
     lever: Array,
@@ -332,17 +346,20 @@ def _correct(
     """See :meth:`InvariantFilter.correct`.
 
     Args:
+        feet, left_heading, right_heading: what is measured.
+        left_stands, right_stands, left_ground, right_ground: as standing and ground there.
+        ground_doubt: variance of the height of the ground under a foot that stands [m^2].
         state, covariance, quaternion, turned: are corrected.
-        feet, left_heading, right_heading, left_ground, right_ground: what is measured.
-        measures: what that is of the error, H, shape (rows, size).
-        doubt: its variances, the diagonal of R.
+        measures: what is measured of the error, H, shape (rows, size).
+        doubt: its variances, the diagonal of R; those of the ground are written.
         lever, innovation, spread: are written.
     """
     _cross(state, lever)
-    left, right = (left_heading, left_ground), (right_heading, right_ground)
+    left, right = (left_heading, left_stands, left_ground), (right_heading, right_stands, right_ground)
     for foot in range(2):
         x, y, z = state[6 + 3 * foot], state[7 + 3 * foot], state[8 + 3 * foot]
-        heading, ground = right if foot else left
+        heading, stands, ground = right if foot else left
+        doubt[8 + foot] = ground_doubt if stands else _UNKNOWN
         for axis in range(3):
             innovation[3 * foot + axis, _SIZE] = feet[foot, axis] - state[6 + 3 * foot + axis]
         innovation[6 + foot, _SIZE] = (heading - state[18 + foot] + math.pi) % (2 * math.pi) - math.pi
