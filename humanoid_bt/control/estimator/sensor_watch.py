@@ -53,11 +53,9 @@ class SensorWatch:
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
         self.suspicious = False
-        self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
+        self._turned: Array = np.zeros((2, 3))  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
-        self._compared: Array = np.zeros(4)  # the orientation then
-        self._turned_before: Array = np.zeros(3)  # the same of the time before
-        self._compared_before: Array = np.zeros(4)
+        self._compared: Array = np.zeros((2, 4))  # the orientation then; the second rows are of the time before
         self.bad_joints = np.zeros(joints, dtype=bool)
         self.any_bad = self.bad_feet = False
         self.failed: set[str] = set()
@@ -65,6 +63,11 @@ class SensorWatch:
         self.doubted: set[str] = set()
         self._found: list[str] = []  # what failed in this look, for people
         self.fault = ""
+        limits = self._limits
+        self._kept = (  # what :func:`_usual` is called with each time
+            self._before.values, limits.most.values, limits.least, self._moved.values, self._mean, limits.most.imu,
+            self._leap, limits.rates, self._turned[0], self._still, limits.feet,
+        )  # fmt: skip
 
     def reset(self, reading: Reading) -> None:
         """Begin with sensors that work."""
@@ -88,7 +91,8 @@ class SensorWatch:
         self._before.values[:] = reading.values
         self._mean[:] = rates[:6]
         for _ in range(2):  # this time and the time before
-            self._compare_from(reading)
+            _compare_from(reading.orientation, self._compared, self._turned)
+        self._turned_looks = 0
         self.doubted.clear()
         self._doubt_joints(self._silent_joints(reading, rates) | self._wrong_joints(reading, rates, 0.0))
         self._doubt_feet(reading)
@@ -103,14 +107,10 @@ class SensorWatch:
             time: since then [s].
             upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
         """
-        values, before, limits = reading.values, self._before.values, self._limits
-        usual = _usual(
-            values, before, limits.most.values, limits.least, self._moved.values,
-            rates, self._mean, limits.most.imu, self._leap, limits.rates, time, self._turned, self._still, limits.feet,
-        )  # fmt: skip
+        usual = _usual(reading.values, rates, time, *self._kept)
         if self.suspicious or not usual:
             self._look_closer(reading, rates, time, upright)
-        before[:] = values
+        self._before.values[:] = reading.values
         self._compare(reading, upright)
         if self._found:
             self.fault = self.fault or _together(self._found)
@@ -162,19 +162,10 @@ class SensorWatch:
         self._turned_looks += 1
         if self._turned_looks < _COMPARED_EVERY:
             return
-        if upright and not self.failed:
-            most, said = self._limits.drift, reading.orientation
-            off = _disagreement(self._compared, said, self._turned) > most and (
-                _disagreement(self._compared_before, said, self._turned_before + self._turned) > most
-            )
-            self._count(self.failed, "gyro", "says something else than the orientation", off, _DRIFTS_AFTER)
-        self._compare_from(reading)
-
-    def _compare_from(self, reading: Reading) -> None:
-        self._turned_before[:], self._compared_before[:] = self._turned, self._compared
-        self._turned[:] = 0.0
         self._turned_looks = 0
-        self._compared[:] = reading.orientation
+        off = _disagree(reading.orientation, self._compared, self._turned, self._limits.drift)
+        if upright and not self.failed:
+            self._count(self.failed, "gyro", "says something else than the orientation", off, _DRIFTS_AFTER)
 
     def _count(self, failed: set[str], name: str, how: str, seen: bool, most: float) -> None:
         """Count the looks in which something was seen, half as many others off; it has failed if that is much."""
@@ -246,21 +237,21 @@ class SensorWatch:
 
 
 @compiled(
-    "b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8, f8[::1], f8[::1], f8[::1])"
+    "b1(f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[::1], f8[::1], f8[::1])"
 )
 def _usual(
     values: Array,
+    rates: Array,
+    time: float,
     before: Array,
     most: Array,
     least: Array,
     moved: Array,
-    rates: Array,
     mean: Array,
     most_leap: Array,
     leap: Array,
     most_rates: Array,
-    time: float,
     turned: Array,
     still: Array,
     foot_limits: Array,
@@ -268,15 +259,16 @@ def _usual(
     """Return whether every number can be, and has changed by no more than the most and by more than the least.
 
     Args:
-        values, before: of two looks.
+        values: of this look.
+        rates: of the readings since the last one, on average: specific force, angular velocity, joints.
+        time: since then [s].
+        before: what values were then.
         most, least: what is usual.
         moved: is written: how much each has changed.
-        rates: of the readings between the looks, on average: specific force, angular velocity, joints.
         mean: those of the IMU before; becomes the ones now.
         most_leap: by which these usually change.
         leap: is written: how much they have.
         most_rates: the largest speeds and torques of joints, shape (2 nj,).
-        time: between the looks [s].
         turned: how far the angular velocity has turned the base is added to it.
         still: looks in which each foot has said the same.
         foot_limits: the least and the most that a foot bears [N], and how often it does not say the same.
@@ -332,3 +324,28 @@ def _disagreement(before: Array, after: Array, said: Array) -> float:
         if off > most or not math.isfinite(off):
             most = off
     return most
+
+
+@compiled("void(f8[::1], f8[:, ::1], f8[:, ::1])")
+def _compare_from(orientation: Array, compared: Array, turned: Array) -> None:
+    """Compare with an orientation from now on; see :func:`_disagree`."""
+    turned[1], compared[1] = turned[0], compared[0]
+    turned[0], compared[0] = 0.0, orientation
+
+
+@compiled("b1(f8[::1], f8[:, ::1], f8[:, ::1], f8)")
+def _disagree(orientation: Array, compared: Array, turned: Array, most: float) -> bool:
+    """Return whether an orientation has turned otherwise than the gyro says since the last two were compared with it.
+
+    Args:
+        orientation: which the next one is compared with, shape (4,).
+        compared: the last one and the one before, shape (2, 4).
+        turned: how far the gyro says that the base has turned since the last one, and between the two, rotation
+            vectors, shape (2, 3) [rad].
+        most: by more than that it is otherwise [rad].
+    """
+    off = _disagreement(compared[0], orientation, turned[0]) > most and (
+        _disagreement(compared[1], orientation, turned[1] + turned[0]) > most
+    )
+    _compare_from(orientation, compared, turned)
+    return off
