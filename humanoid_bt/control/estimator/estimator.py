@@ -254,7 +254,7 @@ class Estimator:
         if "accelerometer" in doubted:
             imu[:3] = clamp(imu[:3], self._force - _DOUBTED_MOST, self._force + _DOUBTED_MOST)
         else:
-            self._force[:] = imu[:3]
+            self._force[:] = self._specific_force
 
     def _retake_tilt(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter, which went on while readings were missed."""
@@ -321,10 +321,10 @@ class Estimator:
         upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt
         if upright < self._least_upright:
             standing[:] = False, False
-        self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
-        self._still = self._still + time if all(standing) else 0.0
-        self._lost = 0.0 if any(standing) else self._lost + time
         (left, right), (before_left, before_right) = standing, self._stands_for
+        self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
+        self._still = self._still + time if left and right else 0.0
+        self._lost = 0.0 if left or right else self._lost + time
         self._stands_for = [before_left + time if left else 0.0, before_right + time if right else 0.0]
 
     def _rest(self, reading: Reading) -> None:
@@ -384,7 +384,7 @@ class Estimator:
     def _note_sliding(self) -> list[bool]:
         """Return which soles slide on the ground: the base does not move as it would if they stayed."""
         time = self._since * SERVO_PERIOD
-        ways = self._filter.slides(self._dynamics.sole_positions).tolist()
+        ways = self._filter.slides(self._dynamics.sole_positions)
         surely = not (self.watch.suspicious or self.watch.failed)  # else it may be the IMU that is wrong
         self._slides_for = [
             before + time if surely and stands and way > _SLIDES * time else 0.0

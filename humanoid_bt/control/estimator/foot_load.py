@@ -70,8 +70,10 @@ class FootLoad:
         self._judge()
 
     def _judge(self) -> None:
-        for foot, force in enumerate(self.force.tolist()):
-            self.standing[foot] = force > (_UNLOADED if self.standing[foot] else _LOADED) * self._weight
+        (left, right), (left_stands, right_stands) = self.force.tolist(), self.standing
+        loaded, unloaded = _LOADED * self._weight, _UNLOADED * self._weight
+        self.standing[0] = left > (unloaded if left_stands else loaded)
+        self.standing[1] = right > (unloaded if right_stands else loaded)
 
 
 @compiled(

@@ -207,13 +207,13 @@ class InvariantFilter:
         """Count heights from a ground that is higher by so much [m]."""
         self._state[5:12:3] -= way
 
-    def slides(self, feet: Array) -> Array:
-        """Return how far the feet seem to have slid since the last correction, in the plane, shape (2,) [m].
+    def slides(self, feet: Array) -> tuple[float, float]:
+        """Return how far each foot seems to have slid since the last correction, in the plane [m].
 
         Args:
             feet: as in :meth:`correct`.
         """
-        return np.asarray(np.hypot(*(feet - self._feet)[:, :2].T))
+        return _slides(feet, self._feet)
 
     def correct(
         self, feet: Array, headings: Sequence[float], standing: Sequence[bool], ground: Sequence[float] = (0.0, 0.0)
@@ -252,6 +252,15 @@ def _predict(
     for i in range(3):
         acceleration[i] = turned[i, 0] * fx + turned[i, 1] * fy + turned[i, 2] * fz
     acceleration[2] -= GRAVITY
+
+
+@compiled("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1])")
+def _slides(feet: Array, before: Array) -> tuple[float, float]:
+    """Return how far feet are from where they were, in the plane; see :meth:`InvariantFilter.slides`."""
+    return (
+        math.hypot(feet[0, 0] - before[0, 0], feet[0, 1] - before[0, 1]),
+        math.hypot(feet[1, 0] - before[1, 0], feet[1, 1] - before[1, 1]),
+    )
 
 
 @inlined
