@@ -94,19 +94,21 @@ class ContactRule:
             cycle: the servo cycle that begins.
             forces: group of links -> force, shape (3,) [N].
             command: what decision wants.
-            place: where the base is, shape (2,) [m].
+            place: where the base is, of which x and y count [m].
         """
         self._forces = forces
         if command is not self._command:
             self._command, self._pressing = command, _pressing(command)
-        pressing = self._pressing
-        for group, force in forces.items():
-            begins = self._config.torso if group == TORSO else self._config.notice
+        pressing, touches, config = self._pressing, self._touches, self._config
+        for group, vector in forces.items():
+            begins = config.torso if group == TORSO else config.notice
             if group in pressing:
                 begins = min(begins, _PRESS_NOTICED * pressing[group])
-            x, y, z = force.tolist()
-            self._feel(group, math.sqrt(x * x + y * y + z * z), begins)
-        if self._touches or self._yields:
+            x, y, z = vector.tolist()
+            force = math.sqrt(x * x + y * y + z * z)
+            if force > begins or group in touches:
+                self._feel(group, force, begins)
+        if touches or self._yields:
             for side, arm, hand in _ARMS:
                 self._judge_arm(cycle, side, arm, hand, command, pressing.get(arm, 0.0))
         self._judge_way(cycle, command, place)
@@ -167,7 +169,7 @@ class ContactRule:
                 self._holds = [before for before in self._holds if cycle - before < self._often_within] + [cycle]
                 if len(self._holds) >= _OFTEN:
                     self.blocked = f"{self.held}, {_OFTEN} times within {_OFTEN_WITHIN:g} s"
-        else:
+        elif self._against:
             self._against = max(0.0, self._against - _LEAK * passed)
 
     def _against_the_way(self, command: Command | None, place: Array) -> list[tuple[str, float]]:
@@ -175,7 +177,7 @@ class ContactRule:
         base = command.targets.get("base") if command else None
         if not isinstance(base, BaseTarget):
             return []
-        way = base.position - place
+        way = base.position - place[:2]
         return [
             (group, largest)
             for group, largest in self._touches.items()

@@ -203,16 +203,16 @@ class Controller:
 
         A robot that is limp lies on the floor: that is no contact that matters, and nothing that it carries.
         """
-        supervisor, contact = self.supervisor, self.estimator.contact
+        supervisor, touch, contact = self.supervisor, self.supervisor.touch, self.estimator.contact
         if supervisor.mode is Mode.DAMP:
             contact.reset()
-            supervisor.touch.reset()
+            touch.reset()
             return
-        pressed = supervisor.touch.pressed
+        pressed = touch.pressed
         supervisor.feel(contact.forces, self.estimator.estimate)
-        if supervisor.touch.pressed != pressed:
-            contact.distrust(supervisor.touch.pressed)
-        if supervisor.touch.yielding - self.body.arms.sides:
+        if touch.pressed != pressed:
+            contact.distrust(touch.pressed)
+        if touch.yielding and touch.yielding - self.body.arms.sides:
             self._next_plan = self.cycle
 
     def _let_go(self) -> None:

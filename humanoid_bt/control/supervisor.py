@@ -211,7 +211,7 @@ class Supervisor:
 
     def feel(self, forces: Mapping[str, Array], estimate: Estimate) -> None:
         """Take what pushes arms and torso, group of links -> force, shape (3,) [N], when there is news of it."""
-        self.touch.look(self.cycle, forces, self.command, estimate.qpos[:2])
+        self.touch.look(self.cycle, forces, self.command, estimate.qpos)
         if self.touch.blocked:
             self.raise_estop("supervisor", self.touch.blocked)
 
