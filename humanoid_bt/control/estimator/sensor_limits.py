@@ -57,9 +57,9 @@ class SensorLimits:
         speeds = _BLOWS * fast / ESTIMATE_PERIOD + _NOISES * encoders.speed_noise
         torques = _TORQUES * robot.torque_limit + _NOISES * (encoders.torque_noise + encoders.torque_bias)
         self.rates: Array = np.concatenate([speeds, torques])
-        least = Reading(joints)  # IMU, speeds, torques: they hardly ever say the same twice
+        least = Reading(joints)  # orientation, speeds, torques: they hardly ever say the same twice
         least.values[:] = -1.0
-        least.rates[:] = least.orientation[:] = 0.0
+        least.joint_velocity[:] = least.joint_torque[:] = least.orientation[:] = 0.0
         self.least: Array = least.values
         self.wild = max(_WILD, _NOISES * accelerometer.noise)
         self.drift = max(_DRIFT, _NOISES * orientation.noise)

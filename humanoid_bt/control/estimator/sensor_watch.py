@@ -258,6 +258,8 @@ def _usual(
 ) -> bool:
     """Return whether every number can be, and has changed by no more than the most and by more than the least.
 
+    One axis of a gyroscope or accelerometer often says the same twice, as they tell no finer steps; all three do not.
+
     Args:
         values: of this look.
         rates: of the readings since the last one, on average: specific force, angular velocity, joints.
@@ -284,6 +286,8 @@ def _usual(
         mean[place] = rates[place]
         usual = usual and way <= most_leap[place]
     first = len(values) - len(most_rates)
+    for sensor in (first - 6, first - 3):
+        usual = usual and moved[sensor] + moved[sensor + 1] + moved[sensor + 2] > 0
     for place in range(len(most_rates)):
         most_rate = most_rates[place]
         usual = usual and abs(rates[6 + place]) <= most_rate and abs(values[first + place]) <= most_rate
