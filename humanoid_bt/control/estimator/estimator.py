@@ -84,6 +84,7 @@ class Estimator:
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._acceleration: Array = np.zeros(BASE_DOFS + joints)
+        self._base_acceleration = self._acceleration[:3]
         belief = self._filter
         self._believed = (  # what :func:`_believe` is called with each time
             qpos, qvel, self.estimate.joint_torque, self._velocity_before, self._acceleration,
@@ -222,7 +223,7 @@ class Estimator:
         if doubtful or self.watch.any_bad or self._gap > _LONGEST_GAP:
             self.contact.forget()
         else:
-            acceleration[:3] = felt
+            self._base_acceleration[:] = felt
             self.contact.update(acceleration, self._torque, time)
 
     def _retake_velocity(self, reading: Reading) -> None:
@@ -243,18 +244,17 @@ class Estimator:
 
         A foot that lands hard makes it jump as well, and then it is right. A gyroscope that is doubted says nothing.
         """
-        imu = self._imu
         if self._missed or time > _LONGEST_LOOK:
             self.watch.resume(reading, self._means)  # nothing jumped: much may have happened meanwhile
         else:
             self.watch.look(reading, self._means, time, self._upright >= _STEADY)
-        doubted = self.watch.doubted
+        force, before, doubted = self._specific_force, self._force, self.watch.doubted
         if "gyro" in doubted:
-            imu[3:] = math.nan
+            self._turning[:] = math.nan
         if "accelerometer" in doubted:
-            imu[:3] = clamp(imu[:3], self._force - _DOUBTED_MOST, self._force + _DOUBTED_MOST)
+            force[:] = clamp(force, before - _DOUBTED_MOST, before + _DOUBTED_MOST)
         else:
-            self._force[:] = self._specific_force
+            before[:] = force
 
     def _retake_tilt(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter, which went on while readings were missed."""

@@ -82,6 +82,7 @@ class InvariantFilter:
         self._state: Array = np.zeros(_SIZE - 3)  # all but the orientation, in the error's order
         points = self._state[:12].reshape(4, 3)
         self.velocity, self.position, self._feet = points[0], points[1], points[2:]
+        self._heights = self._state[5:12:3]  # of base and feet
         self.gyro_bias, self.accelerometer_bias = self._state[12:15], self._state[15:18]
         self.acceleration: Array = np.zeros(3)
         self._covariance: Array = np.zeros((_SIZE, _SIZE))
@@ -205,7 +206,7 @@ class InvariantFilter:
 
     def sink(self, way: float) -> None:
         """Count heights from a ground that is higher by so much [m]."""
-        self._state[5:12:3] -= way
+        self._heights -= way
 
     def slides(self, feet: Array) -> tuple[float, float]:
         """Return how far each foot seems to have slid since the last correction, in the plane [m].
