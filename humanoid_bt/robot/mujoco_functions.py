@@ -15,13 +15,19 @@ from llvmlite import binding
 from numba import config, types
 
 _ADDRESS, _NUMBERS, _INTEGER = types.intp, types.CPointer(types.float64), types.int32  # type: ignore[no-untyped-call]  # numba has no types
-_IN_PYTHON = {_ADDRESS: ctypes.c_void_p, _NUMBERS: ctypes.c_void_p, _INTEGER: ctypes.c_int}
+_NUMBER = types.float64
+_IN_PYTHON = {
+    _ADDRESS: ctypes.c_void_p,
+    _NUMBERS: ctypes.c_void_p,
+    _INTEGER: ctypes.c_int,
+    _NUMBER: ctypes.c_double,
+}
+_MODEL_AND_DATA = _ADDRESS, _ADDRESS
 _LIBRARY = next(str(file) for file in sorted(Path(mujoco.__file__).parent.glob("*mujoco*.*")))
 
 
-def _function(name: str, *more: types.Type) -> Any:
-    """Return one that takes model, data, and more, and returns nothing."""
-    arguments = (_ADDRESS, _ADDRESS, *more)
+def _function(name: str, *arguments: types.Type) -> Any:
+    """Return one that takes these arguments, and returns nothing."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]  # numba finds it at run time
         function = getattr(ctypes.CDLL(_LIBRARY), name)
         function.restype, function.argtypes = None, [_IN_PYTHON[kind] for kind in arguments]
@@ -30,14 +36,18 @@ def _function(name: str, *more: types.Type) -> Any:
 
 
 binding.load_library_permanently(_LIBRARY)
-kinematics, com_pos, com_vel, subtree_vel, make_m, passive = map(
-    _function, ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM", "mj_passive")
+kinematics, com_pos, com_vel, subtree_vel, make_m, passive = (
+    _function(name, *_MODEL_AND_DATA)
+    for name in ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM", "mj_passive")
 )
-jac_subtree_com = _function("mj_jacSubtreeCom", _NUMBERS, _INTEGER)
+"""(model, data)"""
+jac_subtree_com = _function("mj_jacSubtreeCom", *_MODEL_AND_DATA, _NUMBERS, _INTEGER)
 """(model, data, jacobian, body)"""
-angmom_mat = _function("mj_angmomMat", _NUMBERS, _INTEGER)
+angmom_mat = _function("mj_angmomMat", *_MODEL_AND_DATA, _NUMBERS, _INTEGER)
 """(model, data, matrix, body)"""
-rne = _function("mj_rne", _INTEGER, _NUMBERS)
+rne = _function("mj_rne", *_MODEL_AND_DATA, _INTEGER, _NUMBERS)
 """(model, data, whether with acceleration, forces)"""
-mul_m = _function("mj_mulM", _NUMBERS, _NUMBERS)
+mul_m = _function("mj_mulM", *_MODEL_AND_DATA, _NUMBERS, _NUMBERS)
 """(model, data, product, vector)"""
+integrate_pos = _function("mj_integratePos", _ADDRESS, _NUMBERS, _NUMBERS, _NUMBER)
+"""(model, qpos, velocity, time)"""

@@ -19,7 +19,7 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
-from humanoid_bt.robot.mujoco_functions import com_vel, subtree_vel
+from humanoid_bt.robot.mujoco_functions import com_pos, com_vel, integrate_pos, kinematics, subtree_vel
 
 # rad/s^2, of the planned motion, as it goes into the feedforward: legs catch a push, an arm that starts is no blow
 _ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
@@ -63,7 +63,7 @@ class InverseKinematics:
         self._program = QuadraticProgram(self._model.nv, robot.config.whole_body.damping)
         self.configuration = mink.Configuration(self._model)
         qpos: Array = self.configuration.data.qpos
-        self._base_pose, self._joints = qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views, as those below
+        self._qpos, self._base_pose, self._joints = qpos, qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views
         self._body = BodyTask(robot, self._model)
         config, weights = robot.config, robot.config.whole_body
         self._hands = {
@@ -101,7 +101,6 @@ class InverseKinematics:
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         where = self.configuration.data.site_xpos
         self._palm_positions = {side: where[site] for side, site in self._palms.items()}
-        self._spin, self._speed = self.configuration.data.subtree_angmom[self._root], self.configuration.data.qvel
         self.reset(robot.home_qpos)
 
     def reset(self, qpos: Array) -> None:
@@ -113,7 +112,12 @@ class InverseKinematics:
         self.velocity: Array = np.zeros(self._model.nv)
         self.acceleration: Array = np.zeros(self._model.nv)
         self.momentum_rate: Array = np.zeros(3)
-        self._momentum: Array = np.zeros(3)
+        data = self.configuration.data
+        self._motion = (  # what :func:`_go` is called with each time
+            self.acceleration, self.momentum_rate, np.zeros(3), self._quickest, self._smooth,
+            min(1.0, self._dt / _SMOOTH_TIME), self._dt, self._model._address, data._address,
+            self._qpos, data.qvel, data.subtree_angmom[self._root],
+        )  # fmt: skip
         self._hand_goals: Mapping[Side, Array] = {}
         self.still: list[int] = []
         self.solved = True
@@ -203,24 +207,19 @@ class InverseKinematics:
             else:
                 self._hands[side].set_target(mink.SE3.from_translation(position))
                 self.tasks.append(self._hands[side])
-        velocity = self._within_limits()
-        self.solved = velocity is not None
-        if velocity is None:
-            velocity = self._without_conditions()
-        self.configuration.integrate_inplace(velocity, self._dt)
-        self._follow_motion(velocity)
+        way = self._within_limits()
+        self.solved = way is not None
+        self._go(self._without_conditions() if way is None else way)
         return self.solved
 
     def _within_limits(self) -> Array | None:
-        """Return the velocity within all limits, shape (nv,); None if there is none."""
-        program, joints, robot = self._program, self._joints, self._robot
+        """Return the step within all limits, shape (nv,); None if there is none."""
+        program, robot = self._program, self._robot
         program.aim(self.configuration, self.tasks)
         program.limit(self.configuration, self.limits, self._dt)
-        room = max(0.0, self._base_pose.item(_HEIGHT) - self.lowest)
-        program.low[_HEIGHT] = -min(room * min(1.0, self._dt / _SINK_BRAKE_TIME), _RISE_SPEED * self._dt)
-        braked = min(1.0, self._dt / _BRAKE_TIME)
-        np.maximum(braked * (robot.lower - joints), -self._farthest, out=program.low[BASE_DOFS:])
-        np.minimum(braked * (robot.upper - joints), self._farthest, out=program.high[BASE_DOFS:])
+        _bound(
+            program.low, program.high, self._qpos, self.lowest, robot.lower, robot.upper, self._farthest, self._dt
+        )  # fmt: skip
         if self.still:
             dofs = np.add(self.still, BASE_DOFS)
             program.low[dofs] = program.high[dofs] = 0.0
@@ -230,10 +229,10 @@ class InverseKinematics:
         if way is None:
             return None
         self._own_links.pressures = program.pressures[: len(self._own_links.pressures)]
-        return way / self._dt
+        return way
 
     def _without_conditions(self) -> Array:
-        """Return the velocity of damped least squares within the bounds of each coordinate, shape (nv,).
+        """Return the step of damped least squares within the bounds of each coordinate, shape (nv,).
 
         Arms go no further than own links stay apart. It is zero if even that has no solution.
         """
@@ -245,20 +244,45 @@ class InverseKinematics:
         too_near = nearer > room
         if too_near.any():
             way -= (1.0 - (room[too_near] / nearer[too_near]).min()) * arms
-        return np.asarray(way / self._dt)
+        return way
 
-    def _follow_motion(self, velocity: Array) -> None:
-        _follow_motion(
-            velocity, self.velocity, self.acceleration, self.momentum_rate, self._momentum, self._quickest,
-            self._smooth, min(1.0, self._dt / _SMOOTH_TIME), self._dt,
-            self._model._address, self.configuration.data._address, self._speed, self._spin,
-        )  # fmt: skip
+    def _go(self, way: Array) -> None:
+        """Go a step, shape (nv,), in a control period."""
+        velocity = np.empty(len(way))
+        _go(velocity, way, self.velocity, *self._motion)
         self.velocity = velocity
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1])")
-def _follow_motion(
+@compiled("void(f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8)")
+def _bound(
+    low: Array, high: Array, qpos: Array, lowest: float, lower: Array, upper: Array, farthest: Array, dt: float
+) -> None:
+    """Write how far joints may go, and the base may sink, in a control period.
+
+    Args:
+        low, high: bounds of a step, shape (nv,); are written.
+        qpos: where it begins, shape (7 + nj,).
+        lowest: as :class:`InverseKinematics` has it [m].
+        lower, upper: limits of the joints, shape (nj,) [rad].
+        farthest: how far each goes at its speed, shape (nj,) [rad].
+        dt: [s].
+    """
+    room = max(0.0, qpos[_HEIGHT] - lowest)
+    low[_HEIGHT] = -min(room * min(1.0, dt / _SINK_BRAKE_TIME), _RISE_SPEED * dt)
+    braked = min(1.0, dt / _BRAKE_TIME)
+    for joint in range(len(farthest)):
+        now, most = qpos[BASE_COORDINATES + joint], farthest[joint]
+        low[BASE_DOFS + joint] = max(braked * (lower[joint] - now), -most)
+        high[BASE_DOFS + joint] = min(braked * (upper[joint] - now), most)
+
+
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1],"
+    " f8[::1])"
+)
+def _go(
     velocity: Array,
+    way: Array,
     before: Array,
     acceleration: Array,
     momentum_rate: Array,
@@ -269,24 +293,31 @@ def _follow_motion(
     dt: float,
     model: int,
     data: int,
+    qpos: Array,
     speed: Array,
     spin: Array,
 ) -> None:
-    """Bring acceleration and momentum of the planned motion up to date.
+    """Go a step, and bring acceleration and momentum of the planned motion up to date.
 
     Args:
-        velocity, before: of the motion, now and a control period ago, shape (nv,).
+        velocity: of the motion, shape (nv,); is written.
+        way: the step, shape (nv,).
+        before: the velocity a control period ago, shape (nv,).
         acceleration, momentum_rate: smoothed, shapes (nv,) and (3,); are changed.
         momentum: a control period ago, shape (3,); becomes what it is now.
         quickest: limits of the acceleration, shape (nv,).
         smooth, smooth_momentum: shares by which both follow, shape (nv,), and one.
         dt: [s].
         model, data: addresses of MuJoCo's.
-        speed, spin: of data: qvel, and the angular momentum that comes of it.
+        qpos, speed, spin: of data: qpos, qvel, and the angular momentum that comes of them.
     """
     for dof in range(len(velocity)):
+        velocity[dof] = way[dof] / dt
         rate = min(max((velocity[dof] - before[dof]) / dt, -quickest[dof]), quickest[dof])
         acceleration[dof] += smooth[dof] * (rate - acceleration[dof])
+    integrate_pos(model, qpos.ctypes, velocity.ctypes, dt)
+    kinematics(model, data)
+    com_pos(model, data)
     speed[:] = velocity
     com_vel(model, data)
     subtree_vel(model, data)
