@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mink
 import mujoco
 import numpy as np
-from mink.tasks import BaseTask
 
+from humanoid_bt.control.body.rows_task import RowsTask
 from humanoid_bt.control.jacobians import Indices, chains, link_turns, point_moves
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
@@ -80,7 +79,7 @@ class BodyTargets:
     tilt: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
-class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
+class BodyTask(RowsTask):
     """Centre of mass, soles, pelvis, torso, view and posture, and how much the body spins.
 
     They are followed in every control period. A task of mink's for each of them costs as much as the whole rest of a
@@ -93,11 +92,6 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
     Args:
         robot: the robot.
         model: its model as the inverse kinematics has it.
-
-    Attributes:
-        jacobian: shape (rows, nv).
-        error: shape (rows,).
-        cost: shape (rows,).
     """
 
     def __init__(self, robot: RobotModel, model: mujoco.MjModel) -> None:
@@ -106,8 +100,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         joints = model.nv - BASE_DOFS
         self._spins = weights.spin > 0
         count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints + self._spins
-        self.jacobian, self.error, self.cost = np.zeros((count, model.nv)), np.zeros(count), np.zeros(count)
-        self._column, self._weighted = self.cost[:, None], np.zeros_like(self.jacobian)
+        super().__init__(count, model.nv)
         self._com_error = self.error[:3]
         self._com_cost, self._base_cost, self._torso_cost = (self.cost[rows : rows + 3] for rows in (0, _BASE, _TORSO))
         self._feet_roll = config.feet_roll
@@ -171,20 +164,15 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         """From where the centre of mass was planned to be to its target, shape (3,) [m]."""
         return self._com_error
 
-    def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
-        """Return the weighted Jacobian, which stays until the next time, the weighted error, and how much it damps.
+    @property
+    def damping(self) -> float:
+        """How much it damps now.
 
         A centre of mass that the legs do not reach would have them stretched, and bent again by the next plan: it damps
         less and less near its target.
         """
-        np.multiply(self._column, self.jacobian, out=self._weighted)
-        error = self.cost * self.error
-        return self._weighted, error, self._weights.com_damping * float(error[:3] @ error[:3])
-
-    def compute_qp_objective(self, configuration: mink.Configuration) -> mink.Objective:
-        """Return the same as a quadratic objective."""
-        jacobian, error, damping = self.compute_qp_residual(configuration)
-        return mink.Objective(jacobian.T @ jacobian + damping * np.eye(len(jacobian.T)), -(error @ jacobian))
+        error = self._com_cost * self._com_error
+        return self._weights.com_damping * float(error @ error)
 
     def _torso_lean(self, data: mujoco.MjData, targets: BodyTargets) -> float:
         """Return how far the torso is to lean ahead [rad]: as the eyes need it, or further where a hand bends it.

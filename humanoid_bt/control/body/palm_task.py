@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import mink
 import mujoco
 import numpy as np
-from mink.tasks import BaseTask
 
+from humanoid_bt.control.body.rows_task import RowsTask
 from humanoid_bt.core.geometry import quaternion, turn_between, turn_of_axis
 from humanoid_bt.core.messages import Array, HandTarget, Pointing, Side
 from humanoid_bt.core.palm import axis_of, other_side, turned_with
 from humanoid_bt.robot.model import RobotModel, palm_site
 
 
-class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
+class PalmTask(RowsTask):
     """Position of a palm, and its orientation or the direction of one of its axes.
 
     Its rows are those of resolved-rate control, as of the body's task. A direction has two degrees of freedom: the
@@ -31,7 +30,6 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
     Attributes:
         jacobian: shape (6, nv), world frame.
         error: from where it is to its target, shape (6,): position [m], rotation vector [rad].
-        cost: of an error, shape (6,).
     """
 
     def __init__(self, robot: RobotModel, model: mujoco.MjModel, side: Side) -> None:
@@ -40,8 +38,8 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._sites = {of: model.site(palm_site(of)).id for of in (side, other) if of in robot.palm_axes}
         self._axes: Mapping[Side, Array] = robot.palm_axes
         self._side, self._other = side, other
-        self.jacobian, self._of_other = np.zeros((6, model.nv)), np.zeros((6, model.nv))
-        self.error, self.cost = np.zeros(6), np.zeros(6)
+        super().__init__(6, model.nv)
+        self._of_other = np.zeros((6, model.nv))
         self.cost[:3] = self._weights.hand
 
     def aim(self, data: mujoco.MjData, goal: HandTarget) -> None:
@@ -64,15 +62,11 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
         elif orientation is not None:
             self.error[3:] = turn_between(quaternion(turn), orientation)
 
-    def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
-        """Return the weighted Jacobian, the weighted error, and how much it damps: less and less near the goal."""
+    @property
+    def damping(self) -> float:
+        """How much it damps now: less and less near the goal."""
         error = self.cost * self.error
-        return self.cost[:, None] * self.jacobian, error, self._weights.hand_damping * float(error @ error)
-
-    def compute_qp_objective(self, configuration: mink.Configuration) -> mink.Objective:
-        """Return the same as a quadratic objective."""
-        jacobian, error, damping = self.compute_qp_residual(configuration)
-        return mink.Objective(jacobian.T @ jacobian + damping * np.eye(len(jacobian.T)), -(error @ jacobian))
+        return self._weights.hand_damping * float(error @ error)
 
     def _at(self, data: mujoco.MjData, side: Side) -> tuple[Array, Array]:
         """Return place and frame of a palm, shape (3,) and (3, 3)."""

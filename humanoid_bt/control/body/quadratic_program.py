@@ -9,7 +9,8 @@ import daqp
 import mink
 import numpy as np
 
-from humanoid_bt.core.compiled import compiled
+from humanoid_bt.control.body.rows_task import RowsTask
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import Array
 
 _NO_BOUND = 1e30  # for the solver
@@ -36,7 +37,7 @@ class QuadraticProgram:
     def __init__(self, nv: int, damping: float) -> None:
         self._nv, self._damping = nv, damping
         self.hessian, self.gradient = np.zeros((nv, nv)), np.zeros(nv)
-        self._diagonal = self.hessian.reshape(-1)[:: nv + 1]
+        self._diagonal, self._row = self.hessian.reshape(-1)[:: nv + 1], np.zeros(nv)
         self.pressures: Array = np.zeros(0)
         self._rows: Array = np.zeros((0, nv))
         self._low: Array = np.zeros(0)
@@ -46,13 +47,17 @@ class QuadraticProgram:
 
     def aim(self, configuration: mink.Configuration, tasks: Sequence[mink.BaseTask]) -> None:
         """Take the tasks, each of which has a residual."""
-        self.hessian[:] = 0.0
-        self.gradient[:] = 0.0
+        self.hessian.fill(0.0)
+        self.gradient.fill(0.0)
         damping = self._damping
         for task in tasks:
-            jacobian, error, own_damping = task.compute_qp_residual(configuration)
-            _add(self.hessian, self.gradient, np.ascontiguousarray(jacobian), error)
-            damping += own_damping
+            if isinstance(task, RowsTask):
+                _add_rows(self.hessian, self.gradient, task.jacobian, task.error, task.cost, self._row)
+                damping += task.damping
+            else:
+                jacobian, error, own_damping = task.compute_qp_residual(configuration)
+                _add_weighted(self.hessian, self.gradient, np.ascontiguousarray(jacobian), error)
+                damping += own_damping
         self._diagonal += damping
 
     def limit(self, configuration: mink.Configuration, limits: Sequence[mink.Limit], dt: float) -> None:
@@ -91,19 +96,40 @@ class QuadraticProgram:
         self.low, self.high = low[:nv], high[:nv]
 
 
+@inlined
+def _add(hessian: Array, gradient: Array, row: Array, error: float) -> None:
+    """Add the normal equations of a weighted row most of whose numbers are zeros: J^T J, and -J^T e."""
+    size = len(row)
+    for i in range(size):
+        share = row[i]
+        if share != 0.0:
+            gradient[i] -= share * error
+            for j in range(size):
+                hessian[i, j] += share * row[j]
+
+
 @compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1])")
-def _add(hessian: Array, gradient: Array, jacobian: Array, error: Array) -> None:
-    """Add the normal equations of rows most of whose numbers are zeros: J^T J, and -J^T e.
+def _add_weighted(hessian: Array, gradient: Array, jacobian: Array, error: Array) -> None:
+    """Add weighted rows.
 
     Args:
         hessian, gradient: are added to.
         jacobian, error: J and e.
     """
-    rows, size = jacobian.shape
-    for row in range(rows):
-        for i in range(size):
-            share = jacobian[row, i]
-            if share != 0.0:
-                gradient[i] -= share * error[row]
-                for j in range(size):
-                    hessian[i, j] += share * jacobian[row, j]
+    for place in range(len(error)):
+        _add(hessian, gradient, jacobian[place], error[place])
+
+
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1])")
+def _add_rows(hessian: Array, gradient: Array, jacobian: Array, error: Array, cost: Array, weighted: Array) -> None:
+    """Add rows, weighted by their cost.
+
+    Args:
+        hessian, gradient: are added to.
+        jacobian, error, cost: of the task.
+        weighted: scratch, shape (nv,).
+    """
+    for place in range(len(error)):
+        for i in range(len(weighted)):
+            weighted[i] = cost[place] * jacobian[place, i]
+        _add(hessian, gradient, weighted, cost[place] * error[place])
