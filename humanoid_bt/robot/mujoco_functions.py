@@ -41,10 +41,6 @@ kinematics, com_pos, com_vel, subtree_vel, make_m, passive = (
     for name in ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM", "mj_passive")
 )
 """(model, data)"""
-jac_subtree_com = _function("mj_jacSubtreeCom", *_MODEL_AND_DATA, _NUMBERS, _INTEGER)
-"""(model, data, jacobian, body)"""
-angmom_mat = _function("mj_angmomMat", *_MODEL_AND_DATA, _NUMBERS, _INTEGER)
-"""(model, data, matrix, body)"""
 rne = _function("mj_rne", *_MODEL_AND_DATA, _INTEGER, _NUMBERS)
 """(model, data, whether with acceleration, forces)"""
 mul_m = _function("mj_mulM", *_MODEL_AND_DATA, _NUMBERS, _NUMBERS)

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.rows_task import RowsTask
-from humanoid_bt.control.jacobians import Indices, chains, link_turns, point_moves
+from humanoid_bt.control.jacobians import Indices, chains, link_turns, momenta, point_moves
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.core.turns import (
@@ -25,14 +25,9 @@ from humanoid_bt.core.turns import (
     tilted,
     view_along,
 )
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
-from humanoid_bt.robot.mujoco_functions import angmom_mat, jac_subtree_com
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, carriers, sole_site
 
 _SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
-_SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, correction
-_TURNS = 2 * _SOLE_GOAL  # heading, yaw of the torso, leans of base and torso, yaw and pitch of the view, tilts
-_GOALS = _TURNS + 10  # centre of mass, and then the posture
-_POSTURE = _GOALS + 3
 _NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not turn the torso any more
 _SWINGS = np.array([0.4, 0.4, 1.0, 0.3, 0.3, 0.3])  # factors of a foot's costs in the air: place, height, turn
@@ -96,7 +91,7 @@ class BodyTask(RowsTask):
 
     def __init__(self, robot: RobotModel, model: mujoco.MjModel) -> None:
         config, weights = robot.config, robot.config.whole_body
-        self._weights, self._model = weights, model
+        self._weights = weights
         joints = model.nv - BASE_DOFS
         self._spins = weights.spin > 0
         count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints + self._spins
@@ -115,14 +110,18 @@ class BodyTask(RowsTask):
         self.jacobian[posture, BASE_DOFS:] = np.eye(joints)
         self.cost[posture] = weights.posture
         self._posture_cost = self.cost[posture]
-        self._momentum = np.zeros((3 * self._spins, model.nv))
         if self._spins:
             self.cost[-1] = weights.spin
         self._root = model.body(config.base).id
+        end = self._root + sum(self._root in carriers(model, body) for body in range(model.nbody))
+        self._bodies = slice(self._root, end)  # they stand one after the other
+        self._masses = (
+            model.body_mass[self._bodies], model.body_inertia[self._bodies], model.body_subtreemass.item(self._root),
+            chains(model, range(self._root, end)),
+        )  # fmt: skip
         sites = [model.site(sole_site(side)).id for side in SIDES] + [model.site(GAZE_SITE).id] * bool(config.neck)
         self._sites, self._links = np.array(sites), np.array([self._root, model.body(config.torso).id])
         self._chains = chains(model, [*model.site_bodyid[self._sites], *self._links])
-        self._goals: Array = np.zeros(_POSTURE + joints)
         self._data: mujoco.MjData | None = None  # of which the views are
         self._arms: Sequence[int] = ()
         self._given = (-1.0, -1.0, (1.0, 1.0))  # to the hands, how far it leans for the eyes, and its firmness
@@ -133,17 +132,14 @@ class BodyTask(RowsTask):
         if (given := (targets.reaching, targets.lean[1], targets.firmness)) != self._given:
             self._given = given
             self._give_body_to_hands(*given)
-        goals, base_lean, torso_lean = self._goals, targets.lean[0], self._torso_lean(data, targets)
-        for side, sole in zip(SIDES, (goals[:_SOLE_GOAL], goals[_SOLE_GOAL:]), strict=True):
-            sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
-            sole[6:_SOLE_GOAL] = targets.sole_corrections[side]
-        yaw, pitch = targets.gaze
-        turns = targets.heading, targets.torso_yaw, base_lean, torso_lean, targets.heading + yaw, pitch
-        goals[_TURNS:_GOALS] = *turns, *targets.tilt
         if data is not self._data:
             self._data, self._kept = data, self._views(data)
-        goals[_GOALS:_POSTURE], goals[_POSTURE:] = targets.com, targets.posture
-        _aim(self.jacobian, self.error, goals, *self._kept)
+        soles, footings, corrections = targets.soles, targets.sole_footings, targets.sole_corrections
+        _aim(
+            targets.com, targets.posture, soles["left"], footings["left"], corrections["left"],
+            soles["right"], footings["right"], corrections["right"], targets.heading, targets.torso_yaw,
+            targets.lean[0], self._torso_lean(data, targets), *targets.gaze, *targets.tilt, *self._kept,
+        )  # fmt: skip
         if targets.swings != self._swings:
             self._set_sole_costs(targets.swings)
         if targets.arms != self._arms:
@@ -154,9 +150,9 @@ class BodyTask(RowsTask):
     def _views(self, data: mujoco.MjData) -> tuple[Any, ...]:
         """Return what :func:`_aim` is called with each time for a configuration."""
         return (
-            self._feet_roll, self._model._address, data._address, self._root, self._momentum, data.qpos,
-            data.cdof, data.subtree_com[self._root], data.site_xpos, data.site_xmat, data.xquat,
-            self._sites, self._links, self._chains,
+            self.jacobian, self.error, self.jacobian[-1] if self._spins else np.zeros(0), self._feet_roll, data.qpos,
+            data.cdof, data.subtree_com[self._root], data.xipos[self._bodies], data.ximat[self._bodies], *self._masses,
+            data.site_xpos, data.site_xmat, data.xquat, self._sites, self._links, self._chains,
         )  # fmt: skip
 
     @property
@@ -212,12 +208,13 @@ def _blend(free: float, reaching: float, share: float) -> float:
 
 
 @inlined
-def _sole_goal(goal: Array) -> tuple[Vector, Quaternion]:
+def _sole_goal(sole: Array, footing: Array, correction: Array) -> tuple[Vector, Quaternion]:
     """Return where a sole is to be, and how it is to be turned."""
-    turn = tilted((math.cos(goal[2] / 2), 0.0, 0.0, math.sin(goal[2] / 2)), goal[4], goal[5])
-    if (goal[9:] ** 2).sum() > _NO_TURN:
-        turn = product(of_vector(goal[9], goal[10], goal[11]), turn)
-    return (goal[0] + goal[6], goal[1] + goal[7], goal[3] + goal[8]), turn
+    turn = tilted((math.cos(sole[2] / 2), 0.0, 0.0, math.sin(sole[2] / 2)), footing[1], footing[2])
+    x, y, z = correction[3], correction[4], correction[5]
+    if x * x + y * y + z * z > _NO_TURN:
+        turn = product(of_vector(x, y, z), turn)
+    return (sole[0] + correction[0], sole[1] + correction[1], footing[0] + correction[2]), turn
 
 
 @inlined
@@ -228,22 +225,70 @@ def _in_frame(axes: Array, vector: Array) -> None:
         vector[axis] = axes[axis] * x + axes[3 + axis] * y + axes[6 + axis] * z
 
 
-@compiled(
-    "void(f8[:, ::1], f8[::1], f8[::1], b1, i8, i8, i8, f8[:, ::1], f8[::1], f8[:, ::1], f8[::1],"
-    " f8[:, ::1], f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], i8[:, ::1])"
-)
-def _aim(
+@inlined
+def _aim_sole(
     jacobian: Array,
     error: Array,
-    goals: Array,
+    goal: Vector,
+    goal_turn: Quaternion,
     feet_roll: bool,
-    model: int,
-    data: int,
-    root: int,
-    momentum: Array,
+    motions: Array,
+    origin: Array,
+    place: Array,
+    turn: Array,
+    chain: Indices,
+) -> None:
+    """Write the rows of a sole: see :func:`_aim`; ``place`` and ``turn`` say where it is."""
+    point_moves(motions, origin, place, chain, jacobian[:3])
+    link_turns(motions, chain, jacobian[3:])
+    off = between(of_matrix(turn), goal_turn)
+    for axis in range(3):
+        error[axis], error[3 + axis] = goal[axis] - place[axis], off[axis]
+    if not feet_roll:
+        for dof in chain:
+            if dof < 0:
+                break
+            _in_frame(turn, jacobian[3:, dof])
+        _in_frame(turn, error[3:])
+
+
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, f8, f8, f8,"
+    " f8, f8, f8, f8, f8[:, ::1], f8[::1], f8[::1], b1, f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1],"
+    " f8[::1], f8[:, ::1], f8, i8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], i8[:, ::1])"
+)
+def _aim(
+    com: Array,
+    posture: Array,
+    left_sole: Array,
+    left_footing: Array,
+    left_correction: Array,
+    right_sole: Array,
+    right_footing: Array,
+    right_correction: Array,
+    heading: float,
+    torso_yaw: float,
+    base_lean: float,
+    torso_lean: float,
+    gaze_yaw: float,
+    gaze_pitch: float,
+    base_about_x: float,
+    base_about_y: float,
+    torso_about_x: float,
+    torso_about_y: float,
+    jacobian: Array,
+    error: Array,
+    spins: Array,
+    feet_roll: bool,
     qpos: Array,
     motions: Array,
     origin: Array,
+    body_places: Array,
+    body_turns: Array,
+    masses: Array,
+    inertias: Array,
+    whole: float,
+    bodies_moved_by: Indices,
     places: Array,
     turns: Array,
     link_quaternions: Array,
@@ -254,57 +299,51 @@ def _aim(
     """Write the rows of everything.
 
     Args:
+        com, posture: as :class:`BodyTargets` has them, as those that follow.
+        left_sole, left_footing, left_correction, right_sole, right_footing, right_correction: of the soles.
+        heading, torso_yaw, base_lean, torso_lean, gaze_yaw, gaze_pitch: [rad].
+        base_about_x, base_about_y, torso_about_x, torso_about_y: how both are tilted besides [rad].
         jacobian, error: are written.
-        goals: as :meth:`BodyTask.aim` puts them together.
+        spins: the last row if the robot's spin counts, and empty if not.
         feet_roll: whether a joint rolls the feet; otherwise their turn counts in their own frame.
-        model, data: addresses of MuJoCo's.
-        root: the base.
-        momentum: is written if the robot's spin counts, and has no rows if not.
         qpos: as it is.
         motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
+        body_places, body_turns, masses, inertias, whole, bodies_moved_by: of all bodies, as
+            :func:`~humanoid_bt.control.jacobians.momenta` wants them.
         places, turns: positions and rotation matrices of all sites.
         link_quaternions: of all bodies.
         sites: the soles, and the eyes if they are turned.
         links: base and torso.
         moved_by: the degrees of freedom of all of these.
     """
-    jac_subtree_com(model, data, jacobian.ctypes, root)  # into the first rows
+    momenta(
+        motions, origin, body_places, body_turns, masses, inertias, whole, bodies_moved_by, jacobian[:3], spins
+    )  # fmt: skip
     for axis in range(3):
-        error[axis] = goals[_GOALS + axis] - origin[axis]
-    if len(momentum):
-        angmom_mat(model, data, momentum.ctypes, root)
-        jacobian[-1] = momentum[2]
-    joints = len(goals) - _POSTURE
-    first = len(error) - joints - (len(momentum) > 0)
-    for joint in range(joints):
-        error[first + joint] = goals[_POSTURE + joint] - qpos[BASE_COORDINATES + joint]
+        error[axis] = com[axis] - origin[axis]
+    first = len(error) - len(posture) - (len(spins) > 0)
+    for joint in range(len(posture)):
+        error[first + joint] = posture[joint] - qpos[BASE_COORDINATES + joint]
     for foot in range(2):
-        site, row, chain = sites[foot], _SOLES[foot], moved_by[foot]
-        place, turn = _sole_goal(goals[_SOLE_GOAL * foot : _SOLE_GOAL * (foot + 1)])
-        point_moves(motions, origin, places[site], chain, jacobian[row : row + 3])
-        link_turns(motions, chain, jacobian[row + 3 : row + 6])
-        off = between(of_matrix(turns[site]), turn)
-        for axis in range(3):
-            error[row + axis] = place[axis] - places[site, axis]
-            error[row + 3 + axis] = off[axis]
-        if not feet_roll:
-            for dof in chain:
-                if dof < 0:
-                    break
-                _in_frame(turns[site], jacobian[row + 3 : row + 6, dof])
-            _in_frame(turns[site], error[row + 3 : row + 6])
-    heading, yaw, pitch = goals[_TURNS], goals[_TURNS + 4], goals[_TURNS + 5]
-    for link, (row, turn) in enumerate(((_BASE, 0.0), (_TORSO, goals[_TURNS + 1]))):
-        about_x, about_y = goals[_TURNS + 6 + 2 * link], goals[_TURNS + 7 + 2 * link]
-        goal = tilted(leaning(0.0, goals[_TURNS + 2 + link], turn), about_x, about_y)
+        row, site = _SOLES[foot], sites[foot]
+        if foot == 0:
+            place, turn = _sole_goal(left_sole, left_footing, left_correction)
+        else:
+            place, turn = _sole_goal(right_sole, right_footing, right_correction)
+        rows, off = jacobian[row : row + 6], error[row : row + 6]
+        _aim_sole(rows, off, place, turn, feet_roll, motions, origin, places[site], turns[site], moved_by[foot])
+    base = _BASE, base_lean, 0.0, base_about_x, base_about_y
+    torso = _TORSO, torso_lean, torso_yaw, torso_about_x, torso_about_y
+    for link, (row, lean, yaw, about_x, about_y) in enumerate((base, torso)):
+        goal = tilted(leaning(0.0, lean, yaw), about_x, about_y)
         goal = product((math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)), goal)
         link_turns(motions, moved_by[len(sites) + link], jacobian[row : row + 3])
         now = link_quaternions[links[link]]
-        off = between((now[0], now[1], now[2], now[3]), goal)
+        turn_left = between((now[0], now[1], now[2], now[3]), goal)
         for axis in range(3):
-            error[row + axis] = off[axis]
+            error[row + axis] = turn_left[axis]
     if len(sites) > 2:
         link_turns(motions, moved_by[2], jacobian[_GAZE : _GAZE + 3])
-        off = between(of_matrix(turns[sites[2]]), view_along(yaw, pitch))
+        turn_left = between(of_matrix(turns[sites[2]]), view_along(heading + gaze_yaw, gaze_pitch))
         for axis in range(3):
-            error[_GAZE + axis] = off[axis]
+            error[_GAZE + axis] = turn_left[axis]

@@ -140,6 +140,16 @@ def test_it_keeps_from_spinning_if_that_costs_something(
     assert task.jacobian[-1] @ data.qvel == pytest.approx(data.subtree_angmom[1][2])
 
 
+def test_its_momenta_are_mujocos(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:
+    task, data = BodyTask(with_spin(robot, 4.0), robot.model), data_at(robot, standing)
+    task.aim(data, targets)
+    com, spin = np.zeros((2, 3, robot.model.nv))
+    mujoco.mj_jacSubtreeCom(robot.model, data, com, 1)
+    mujoco.mj_angmomMat(robot.model, data, spin, 1)
+    np.testing.assert_allclose(task.jacobian[:3], com, atol=1e-12)
+    np.testing.assert_allclose(task.jacobian[-1], spin[2], atol=1e-12)
+
+
 def test_it_turns_the_short_way(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:
     """Quaternions have two signs."""
     task = BodyTask(robot, robot.model)

@@ -41,7 +41,7 @@ def targets(robot: RobotModel, standing: Array, **given: Any) -> BodyTargets:
         "gaze": (0.0, 0.0),
         "hands": {},
         "reaching": 0.0,
-        "posture": standing[BASE_COORDINATES:],
+        "posture": standing[BASE_COORDINATES:].copy(),
     }
     return BodyTargets(**{**stand, **given})
 
