@@ -271,7 +271,7 @@ class Controller:
             hands=dynamics.hands,
             hand_orientations=dynamics.hand_orientations,
             feet=feet,
-            stance=body.stance,
+            stance=body.stance.copy(),
             gaze_position=dynamics.gaze_position,
             gaze_direction=dynamics.gaze_direction,
             foot_force=dict(zip(SIDES, estimate.foot_force.tolist(), strict=True)),

@@ -46,6 +46,7 @@ class Walker:
         contact: whether each foot is meant to be on the ground.
         foot_reference: poses of the soles (x, y, yaw), world frame.
         foot_footing: height of each sole, and its tilt about the world's x and y, shape (3,) [m, rad].
+        stance: pose of the middle between the references of the feet, shape (3,), world frame.
         zmp_reference, dcm_reference: shape (2,), world frame [m].
         swing: the swing that is going on, if any.
         footsteps: planned footholds, the next first.
@@ -63,6 +64,7 @@ class Walker:
         self.gait = Gait.STAND
         self.foot_reference: dict[Side, Array] = {}
         self.foot_footing: dict[Side, Array] = {}
+        self.stance: Array = np.zeros(3)
         self.contact: dict[Side, bool] = dict.fromkeys(SIDES, True)
         self.zmp_reference: Array = np.zeros(2)
         self.dcm_reference: Array = np.zeros(2)
@@ -90,6 +92,7 @@ class Walker:
         self._rolled = _flat()
         self.contact = dict.fromkeys(SIDES, True)
         self.ground = self._carrying_height()
+        self.stance = self._middle()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
         self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
         self.stride = self.still_for = 0.0
@@ -111,9 +114,7 @@ class Walker:
         """From where the DCM should be when the foot lands that swings to where it will be, shape (2,), world [m]."""
         return _NOTHING if self.swing is None else self.swing.missed
 
-    @property
-    def stance(self) -> Array:
-        """Pose of the middle between the references of the feet, shape (3,), world frame."""
+    def _middle(self) -> Array:
         return middle(self.foot_reference["left"], self.foot_reference["right"])
 
     def update(
@@ -154,6 +155,7 @@ class Walker:
         if self.gait is Gait.STEP:
             self._step(goal, dcm, soles, foot_force, stops=stays)
         self._follow_ground(soles, footings, foot_force)
+        self.stance = self._middle()
 
     def _start_step(
         self,
@@ -254,7 +256,7 @@ class Walker:
             shift = _CAUGHT_SHIFT if elsewhere else self._numbers.double_support + early
             self._start_step(OTHER[side], goal, self.zmp_reference, shift, in_place=elsewhere)
             return
-        middle = self.stance[:2]
+        middle = self._middle()[:2]
         self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
         self.gait, self._elapsed, self.footsteps, self.stride = Gait.SETTLE, 0.0, [], 0.0
 
