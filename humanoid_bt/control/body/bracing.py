@@ -35,6 +35,7 @@ class Bracing:
     def reset(self) -> None:
         """Stand upright."""
         self.lean: Array = np.zeros(2)
+        self._leans = False  # or has leaned: then it goes on for ever, by less and less
 
     def update(
         self,
@@ -53,10 +54,16 @@ class Bracing:
             place: middle between the feet, world frame, shape (2,) [m].
             ground: its height [m].
         """
+        pressing = [side for side in self._sides if side not in yielding and _presses(targets.get(f"{side}_hand"))]
+        if not (pressing or self._leans):
+            return
+        self._leans = True
         moment: Array = np.zeros(2)
-        for side in self._sides:
-            target = targets.get(f"{side}_hand")
-            if isinstance(target, HandTarget) and target.press and side not in yielding:
-                palm, force = self._dynamics.palm(side), forces[f"{side}_arm"]
-                moment += (palm[:2] - place) * force[2] - (palm[2] - ground) * force[:2]
+        for side in pressing:
+            palm, force = self._dynamics.palm(side), forces[f"{side}_arm"]
+            moment += (palm[:2] - place) * force[2] - (palm[2] - ground) * force[:2]
         self.lean = self.lean + self._share * (moment / self._weight - self.lean)
+
+
+def _presses(target: Target | None) -> bool:
+    return isinstance(target, HandTarget) and target.press > 0

@@ -62,6 +62,7 @@ class Stabilizer:
         dcm: Array,
         dcm_reference: Array,
         zmp_reference: Array,
+        lean: Array,
         momentum_rate: Array,
         soles: Mapping[Side, Array],
         contact: Mapping[Side, bool],
@@ -75,6 +76,8 @@ class Stabilizer:
         Args:
             com: measured, shape (3,) [m].
             dcm, dcm_reference, zmp_reference: shape (2,), world frame [m].
+            lean: how far the centre of mass has to be ahead of the centre of pressure besides, likewise: each of the
+                references gives way by half of it.
             momentum_rate: of the angular momentum about the centre of mass of the planned motion, shape (3,) [Nm].
             soles: measured poses, shape (3,).
             contact: whether each foot is on the ground.
@@ -82,7 +85,7 @@ class Stabilizer:
         gait = self._gait
         share, cop, zmp, force = np.empty(2), np.empty((2, 2)), np.empty(2), np.empty(3)
         _balance(
-            share, cop, zmp, force, self.com_reference, com, dcm, dcm_reference, zmp_reference, momentum_rate,
+            share, cop, zmp, force, self.com_reference, com, dcm, dcm_reference, zmp_reference, lean, momentum_rate,
             soles["left"], soles["right"], contact["left"], contact["right"], self._half,
             gait.momentum_limit, gait.dcm_gain, gait.com_slide, self._mass, self.omega, self._dt,
         )  # fmt: skip
@@ -92,7 +95,7 @@ class Stabilizer:
 
 @compiled(
     "void(f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[::1], f8[::1], b1, b1, f8[::1], f8, f8, f8, f8, f8, f8)"
+    " f8[::1], f8[::1], f8[::1], b1, b1, f8[::1], f8, f8, f8, f8, f8, f8)"
 )
 def _balance(
     share: Array,
@@ -104,6 +107,7 @@ def _balance(
     dcm: Array,
     dcm_reference: Array,
     zmp_reference: Array,
+    lean: Array,
     momentum_rate: Array,
     left: Array,
     right: Array,
@@ -122,7 +126,7 @@ def _balance(
     Args:
         share, cop, zmp, force: are written, as in :class:`Load`, shapes (2,), (2, 2), (2,), (3,).
         reference: of the centre of mass, shape (2,); is moved.
-        com, dcm, dcm_reference, zmp_reference, momentum_rate: as there.
+        com, dcm, dcm_reference, zmp_reference, lean, momentum_rate: as there.
         left, right, left_stands, right_stands: the soles, and whether they are on the ground.
         half: of the part of a sole that may bear pressure, shape (2,) [m].
         most, gain, slide: of the robot's gait.
@@ -131,15 +135,14 @@ def _balance(
     weight = mass * GRAVITY
     shift_x = min(max(-momentum_rate[1] / weight, -most), most)
     shift_y = min(max(momentum_rate[0] / weight, -most), most)
-    x = zmp_reference[0] + gain * (dcm[0] - dcm_reference[0]) + shift_x
-    y = zmp_reference[1] + gain * (dcm[1] - dcm_reference[1]) + shift_y
+    dcm_x, dcm_y = dcm_reference[0] + lean[0] / 2, dcm_reference[1] + lean[1] / 2
+    x = (zmp_reference[0] - lean[0] / 2) + gain * (dcm[0] - dcm_x) + shift_x
+    y = (zmp_reference[1] - lean[1] / 2) + gain * (dcm[1] - dcm_y) + shift_y
     on_right = shared(x, y, left, right, left_stands, right_stands, half, cop)
     share[0], share[1] = 1.0 - on_right, on_right
     for axis in range(2):
         zmp[axis] = share[0] * cop[0, axis] + share[1] * cop[1, axis]
-        shift = shift_x if axis == 0 else shift_y
+        shift, wanted = (shift_x, dcm_x) if axis == 0 else (shift_y, dcm_y)
         force[axis] = mass * omega**2 * (com[axis] - (zmp[axis] - shift))
-        reference[axis] += dt * (
-            omega * (dcm_reference[axis] - reference[axis]) + slide * (com[axis] - reference[axis])
-        )
+        reference[axis] += dt * (omega * (wanted - reference[axis]) + slide * (com[axis] - reference[axis]))
     force[2] = weight

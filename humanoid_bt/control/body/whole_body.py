@@ -229,8 +229,9 @@ class WholeBody:
         load = stabilizer.update(
             com=dynamics.com,
             dcm=dcm,
-            dcm_reference=walker.dcm_reference + lean / 2,
-            zmp_reference=walker.zmp_reference - lean / 2,
+            dcm_reference=walker.dcm_reference,
+            zmp_reference=walker.zmp_reference,
+            lean=lean,
             momentum_rate=self.kinematics.momentum_rate,
             soles=dynamics.soles,
             contact=walker.contact,

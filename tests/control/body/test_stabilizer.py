@@ -29,9 +29,20 @@ def stabilizer() -> Stabilizer:
 def update(stabilizer: Stabilizer, **given: Any) -> Load:
     at_rest = {
         "com": CENTRE, "dcm": np.zeros(2), "dcm_reference": np.zeros(2), "zmp_reference": np.zeros(2),
-        "momentum_rate": np.zeros(3), "soles": SOLES, "contact": BOTH,
+        "lean": np.zeros(2), "momentum_rate": np.zeros(3), "soles": SOLES, "contact": BOTH,
     }  # fmt: skip
     return stabilizer.update(**{**at_rest, **given})
+
+
+def test_both_references_give_way_to_a_lean_by_half_of_it() -> None:
+    one, other = (Stabilizer(GAIT, SOLE, MASS, DT) for _ in range(2))
+    for stabilizer in (one, other):
+        stabilizer.reset(CENTRE)
+    leans = update(one, lean=np.array([0.02, -0.01]))
+    moved = update(other, dcm_reference=np.array([0.01, -0.005]), zmp_reference=np.array([-0.01, 0.005]))
+    np.testing.assert_allclose(leans.zmp, moved.zmp, atol=1e-12)
+    np.testing.assert_allclose(one.com_reference, other.com_reference, atol=1e-12)
+    assert leans.zmp[0] != update(other).zmp[0]
 
 
 def test_at_rest_both_feet_carry_half_and_nothing_pushes(stabilizer: Stabilizer) -> None:
