@@ -33,7 +33,7 @@ _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not turn 
 _SWINGS = np.array([0.4, 0.4, 1.0, 0.3, 0.3, 0.3])  # factors of a foot's costs in the air: place, height, turn
 
 
-@dataclass(frozen=True)
+@dataclass
 class BodyTargets:
     """What the whole body shall do in this control period; world frame.
 
