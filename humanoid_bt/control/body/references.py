@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from humanoid_bt.control.body.planar import ahead, rotate, seen_from, wrap
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import ArmTarget, Array
 from humanoid_bt.robot.config import WholeBodyConfig
@@ -184,12 +185,19 @@ class PostureReference:
 
     def update(self) -> None:
         """Move back toward home."""
-        error = self._home - self.joints
-        self.joints = self.joints + clamp(error, -self._step, self._step)
+        before, self.joints = self.joints, np.empty_like(self._home)
+        _move(self.joints, before, self._home, self._step)
 
     def hold(self, joints: list[int], angles: Array) -> None:
         """Put some joints, by their indices, where somebody else wants them: at angles, shape (len(joints),) [rad]."""
         self.joints[joints] = angles
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8)")
+def _move(joints: Array, before: Array, goal: Array, step: float) -> None:
+    """Write joints that were moved toward a goal, each of shape (nj,), by at most ``step`` [rad]."""
+    for joint in range(len(joints)):
+        joints[joint] = before[joint] + min(max(goal[joint] - before[joint], -step), step)
 
 
 class ArmReference:
