@@ -298,7 +298,7 @@ class TiltCompensation:
     _LIMIT = 0.3  # m and rad, of each coordinate of the correction
 
     def __init__(self, dt: float) -> None:
-        self._dt = dt
+        self._dt, self._decay = dt, math.exp(-dt / self._DECAY)
         self.correction: dict[Side, Array] = {side: np.zeros(6) for side in SIDES}
 
     def update(self, swing: Swing | None, base_measured: Array, base_reference: Array) -> None:
@@ -307,26 +307,36 @@ class TiltCompensation:
             if swing is not None and swing.side == side:
                 weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
                 share = min(1.0, self._dt / self._RISE)
-                sole = np.array([*swing.pose[:2], swing.footing.item(0)])
-                _follow_error(self.correction[side], sole, base_measured, base_reference, weight, share, self._LIMIT)
+                _follow_error(
+                    self.correction[side], swing.pose, swing.footing, base_measured, base_reference,
+                    weight, share, self._LIMIT,
+                )  # fmt: skip
             else:
-                self.correction[side] *= math.exp(-self._dt / self._DECAY)
+                self.correction[side] *= self._decay
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8)")
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8)")
 def _follow_error(
-    correction: Array, sole: Array, measured: Array, reference: Array, weight: float, share: float, limit: float
+    correction: Array,
+    pose: Array,
+    footing: Array,
+    measured: Array,
+    reference: Array,
+    weight: float,
+    share: float,
+    limit: float,
 ) -> None:
     """Bring a sole's correction nearer to what leads the base, and the sole with it, from one pose to another.
 
     Args:
         correction: shape (6,).
-        sole: where it is to be, shape (3,): far from the world's origin a turn about that would be a long way.
+        pose, footing: how it is to be, shape (3,): far from the world's origin a turn about that would be a long way.
         measured, reference: poses of the base, shape (7,).
         weight: of what leads from the first to the second.
         share: of the difference by which it comes nearer.
         limit: of each coordinate of what it is to follow.
     """
+    sole = pose[0], pose[1], footing[0]
     turn = product(
         (reference[3], reference[4], reference[5], reference[6]),
         (measured[3], -measured[4], -measured[5], -measured[6]),
