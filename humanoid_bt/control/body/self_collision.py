@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from humanoid_bt.control.body.own_links import OwnLinks
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.model import RobotModel
 
@@ -71,21 +72,17 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         data = configuration.data
         mujoco.mj_collision(self.model, data)
         contact = data.contact
-        geoms, distance = contact.geom, contact.dist
-        links = self._links
-        pairs = geoms.dot(self._pair)  # as places in a flat table, which is twice as quick to look into
-        far = distance >= links.begins.take(pairs)
-        near = (~far).nonzero()[0]
-        self._geoms = geoms[near]
-        self.pressures = np.zeros(len(near))
-        if not len(near):
+        distances, links = contact.dist, self._links
+        geoms, rooms = np.empty((len(distances), 2), dtype=np.int32), np.empty(len(distances))
+        count = _find_near(contact.geom, distances, contact.exclude, links.begins, links.margins, dt, geoms, rooms)
+        self._geoms = geoms[:count]
+        self.pressures = np.zeros(count)
+        if not count:
             self._rests = _LOOKS
             return mink.Constraint()
-        contact.exclude[:] = far
         mujoco.mj_makeConstraint(self.model, data)  # gives how each contact opens that is not excluded
         self._approach = -data.efc_J.reshape(-1, self.model.nv)
-        room = distance[near] - links.margins.take(pairs[near])
-        return mink.Constraint(self._approach, np.maximum(room * (dt / _BRAKE_TIME), -_PART_SPEED * dt))
+        return mink.Constraint(self._approach, rooms[:count])
 
     def obstacle(self, arm: Sequence[int], pull: Array) -> str:
         """Return the body that holds an arm back most, "" for none.
@@ -106,3 +103,36 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
                 pressed[inner] = pressed.get(inner, 0.0) + pressure
         most = max(pressed, key=pressed.__getitem__, default=0)
         return self.model.body(most).name if pressed.get(most, 0.0) > _HELD_BACK else ""
+
+
+@compiled("i8(i4[:, :], f8[:], i4[:], f8[:, ::1], f8[:, ::1], f8, i4[:, ::1], f8[::1])")
+def _find_near(
+    geoms: NDArray[np.int32],
+    distances: Array,
+    excluded: NDArray[np.int32],
+    begins: Array,
+    margins: Array,
+    dt: float,
+    near: NDArray[np.int32],
+    rooms: Array,
+) -> int:
+    """Exclude the contacts of links that are not near each other; return how many are left.
+
+    Args:
+        geoms, distances: of all contacts, shapes (n, 2) and (n,) [m].
+        excluded: whether MuJoCo is to pass over them, shape (n,); is written.
+        begins, margins: as :class:`OwnLinks` has them.
+        dt: [s].
+        near, rooms: geoms of those that are near, and how far they may approach in ``dt`` [m], in the first of their
+            rows; shapes (n, 2) and (n,); are written.
+    """
+    count = 0
+    for contact in range(len(distances)):
+        one, other, distance = geoms[contact, 0], geoms[contact, 1], distances[contact]
+        far = distance >= begins[one, other]
+        excluded[contact] = far
+        if not far:
+            near[count, 0], near[count, 1] = one, other
+            rooms[count] = max((distance - margins[one, other]) * (dt / _BRAKE_TIME), -_PART_SPEED * dt)
+            count += 1
+    return count
