@@ -43,11 +43,13 @@ class RobotDynamics:
         self._base = model.body(robot.config.base).id
         self._sole = {side: model.site(sole_site(side)).id for side in SIDES}
         self._palm = {side: model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
+        self._palm_places = {side: data.site_xpos[site] for side, site in self._palm.items()}  # views, as the next ones
         self._palm_axes = robot.palm_axes
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
-        self._gaze = model.site(GAZE_SITE).id
+        gaze = model.site(GAZE_SITE).id
+        self._gaze, self._view = data.site_xpos[gaze], data.site_xmat[gaze, ::3]
         self.addresses: tuple[int, int] = model._address, data._address
-        self.bias: Array = data.qfrc_bias  # a view, as the next ones are
+        self.bias: Array = data.qfrc_bias
         self.motions: Array = data.cdof
         self._qpos, self._qvel = data.qpos, data.qvel
         self.origin: Array = data.subtree_com[model.body_rootid[self._base]]
@@ -74,12 +76,12 @@ class RobotDynamics:
     @property
     def base_position(self) -> Array:
         """Position of the base, shape (3,)."""
-        return np.array(self.data.qpos[:3])
+        return np.array(self._qpos[:3])
 
     @property
     def gyro(self) -> Array:
         """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
-        return np.asarray(self.data.qvel[3:6])
+        return np.asarray(self._qvel[3:6])
 
     def sole_tilt(self, foot: int) -> Array:
         """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
@@ -94,7 +96,7 @@ class RobotDynamics:
 
     def palm(self, side: Side) -> Array:
         """Return a palm's position, shape (3,)."""
-        return np.array(self.data.site_xpos[self._palm[side]])
+        return np.array(self._palm_places[side])
 
     def palm_frame(self, side: Side) -> Array:
         """Return how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""
@@ -123,12 +125,12 @@ class RobotDynamics:
     @property
     def gaze_position(self) -> Array:
         """Position of the gaze site, shape (3,)."""
-        return np.array(self.data.site_xpos[self._gaze])
+        return np.array(self._gaze)
 
     @property
     def gaze_direction(self) -> Array:
         """Direction of view, unit vector, shape (3,)."""
-        return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])
+        return np.array(self._view)
 
 
 @compiled(

@@ -164,7 +164,7 @@ class InverseKinematics:
 
     def palm(self, side: Side) -> Array:
         """Reference position of a palm, world frame, shape (3,)."""
-        return np.array(self.configuration.data.site_xpos[self._palms[side]])
+        return np.array(self._palm_positions[side])
 
     def palm_frame(self, side: Side) -> Array:
         """Reference of how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""

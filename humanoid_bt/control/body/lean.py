@@ -55,10 +55,10 @@ class LeanReference:
             return
         goal = 0.0
         if point is not None:
-            x, y, z = (point - eyes).tolist()
-            below = max(0.0, math.atan2(-z, math.hypot(x, y)) - self._unaided)
-            x, y, _ = (point - base).tolist()
-            goal = below * math.cos(math.atan2(y, x) - heading)  # what is aside does not come into view by leaning
+            (x, y, z), (eyes_x, eyes_y, eyes_z), (base_x, base_y, _) = point.tolist(), eyes.tolist(), base.tolist()
+            below = max(0.0, math.atan2(eyes_z - z, math.hypot(x - eyes_x, y - eyes_y)) - self._unaided)
+            aside = math.atan2(y - base_y, x - base_x) - heading
+            goal = below * math.cos(aside)  # what is aside does not come into view by leaning
         lacking = min(max(_SINK * (goal - self._farthest), 0.0), self._deepest)
         self.torso = approach(self.torso, min(max(goal, 0.0), self._farthest), _SPEED * self._dt)
         self.crouch = approach(self.crouch, lacking, _SINK_SPEED * self._dt)

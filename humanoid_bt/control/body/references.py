@@ -150,10 +150,10 @@ class GazeReference:
             return
         yaw = pitch = 0.0
         if point is not None:
-            x, y, z = (point - eyes).tolist()
-            aside = point - (eyes if axis is None else axis)
-            yaw = wrap(math.atan2(aside[1], aside[0]) - heading)
-            pitch = -math.atan2(z, math.hypot(x, y))
+            (x, y, z), (eyes_x, eyes_y, eyes_z) = point.tolist(), eyes.tolist()
+            turns_x, turns_y = (eyes_x, eyes_y) if axis is None else axis[:2].tolist()
+            yaw = wrap(math.atan2(y - turns_y, x - turns_x) - heading)
+            pitch = -math.atan2(z - eyes_z, math.hypot(x - eyes_x, y - eyes_y))
             if abs(yaw) > self._limit and yaw * self.yaw < 0:
                 yaw = -yaw  # behind the robot: stay on the side it looks over already
         yaw = min(max(yaw, -self._limit), self._limit)

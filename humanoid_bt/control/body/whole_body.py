@@ -274,7 +274,7 @@ class WholeBody:
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
             self._hold_arms(targets)
         self.arms.keep(self._posture.joints, self._home_joints, hold)
-        held = (side for side, arm in self._arms.items() if arm.joints)
+        held = [side for side, arm in self._arms.items() if arm.joints]
         busy = {*hands, *held, *self.arms.sides, *self.arms.homeward}
         self._arm_swing.update(stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
@@ -304,11 +304,11 @@ class WholeBody:
     def _rearranged(self, targets: Mapping[str, Target]) -> Mapping[str, Target]:
         """Return the targets, but for arms that are stuck: those go to other angles first."""
         standing = self.walker.gait is Gait.STAND
-        found = dict(targets)
+        found = targets
         for side, rearranging in self._rearranging.items():
             target = targets.get(f"{side}_hand") if standing and side not in self.arms.sides else None
             if (arm := rearranging.update(target, self._upright)) is not None:
-                found[f"{side}_hand"] = arm
+                found = {**found, f"{side}_hand": arm}
                 if self._asked.get(side) is None:
                     self._eased = 0.0  # the body that the hand had pulled at comes back, and must not jerk
             self._asked[side] = arm
@@ -359,7 +359,7 @@ class WholeBody:
     @property
     def com_speed(self) -> float:
         """Horizontal speed of the centre of mass [m/s]."""
-        return math.hypot(*self.dynamics.com_velocity[:2])
+        return math.hypot(*self.dynamics.com_velocity[:2].tolist())
 
 
 def _blend(value: float, goal: float, dt: float) -> float:
