@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from humanoid_bt.control.body.body import Footstep
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig
 
@@ -47,13 +48,19 @@ def plan_dcm(zmp: Array, omega: float, dt: float) -> Array:
         omega: [1/s].
         dt: [s].
     """
-    decay = math.exp(-omega * dt)
-    x, y = float(zmp[-1, 0]), float(zmp[-1, 1])
-    points: list[tuple[float, float]] = []
-    for px, py in reversed(zmp.tolist()):
-        x, y = px + (x - px) * decay, py + (y - py) * decay
-        points.append((x, y))
-    return np.array(points[::-1])
+    dcm = np.empty_like(zmp)
+    _follow_back(dcm, zmp, math.exp(-omega * dt))
+    return dcm
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], f8)")
+def _follow_back(dcm: Array, zmp: Array, decay: float) -> None:
+    """Write a DCM, shape (n, 2): see :func:`plan_dcm`; ``decay`` is that of its way to the ZMP in a period."""
+    x, y = zmp[-1, 0], zmp[-1, 1]
+    for now in range(len(zmp) - 1, -1, -1):
+        point_x, point_y = zmp[now, 0], zmp[now, 1]
+        x, y = point_x + (x - point_x) * decay, point_y + (y - point_y) * decay
+        dcm[now, 0], dcm[now, 1] = x, y
 
 
 def plan_walk(
