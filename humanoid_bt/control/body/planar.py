@@ -17,8 +17,7 @@ def wrap(angle: float) -> float:
 def rotate(vector: Array, yaw: float) -> Array:
     """Turn a plane vector, shape (2,), by ``yaw``."""
     x, y = vector.tolist()
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return np.array([cos * x - sin * y, sin * x + cos * y])
+    return np.array(_turned(x, y, yaw))
 
 
 def ahead(pose: Array, x: float, y: float, yaw: float = 0.0) -> Array:
@@ -30,7 +29,8 @@ def ahead(pose: Array, x: float, y: float, yaw: float = 0.0) -> Array:
 
 def seen_from(pose: Array, point: Array) -> Array:
     """Return a point's plane coordinates, shape (2,), as seen from ``pose``."""
-    return rotate(point[:2] - pose[:2], -pose.item(2))
+    (at_x, at_y, heading), (x, y) = pose.tolist(), point[:2].tolist()
+    return np.array(_turned(x - at_x, y - at_y, -heading))
 
 
 def middle(left: Array, right: Array) -> Array:
@@ -38,3 +38,8 @@ def middle(left: Array, right: Array) -> Array:
     (left_x, left_y, left_yaw), (right_x, right_y, right_yaw) = left.tolist(), right.tolist()
     yaw = left_yaw + 0.5 * wrap(right_yaw - left_yaw)
     return np.array([0.5 * (left_x + right_x), 0.5 * (left_y + right_y), yaw])
+
+
+def _turned(x: float, y: float, yaw: float) -> tuple[float, float]:
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return cos * x - sin * y, sin * x + cos * y

@@ -113,7 +113,7 @@ class HandReference:
 
     def _lets_go(self, target: Array, stance: Array, walks: bool) -> bool:
         weights, margin = self._weights, _REGAIN if self._let_go else 0.0
-        x, y = seen_from(stance, target)
+        x, y = seen_from(stance, target).tolist()
         near, far = weights.hand_nearest + margin, weights.hand_farthest - margin
         self._let_go = (walks or self._let_go) and (x < near or math.hypot(x, y) > far)
         return self._let_go

@@ -277,13 +277,16 @@ class Walker:
 
     def _tidy(self, dcm: Array) -> None:
         """Put a foot beside the other one again: quick hands turn the body, and feet slip little by little."""
-        aside = seen_from(self.stance, dcm)
-        if self.still_for < _CALM_FOR or math.hypot(*aside) > _CALM:
+        if self.still_for < _CALM_FOR:
             return
-        swing: Side = "left" if aside[1] < 0 else "right"  # the one that carries less
+        ahead, aside = seen_from(self.stance, dcm).tolist()
+        if math.hypot(ahead, aside) > _CALM:
+            return
+        swing: Side = "left" if aside < 0 else "right"  # the one that carries less
         foot, support = self.foot_reference[swing], self.foot_reference[OTHER[swing]]
         place = self._planner.foothold(swing, self._planner.stance_beside(OTHER[swing], support))
-        if math.dist(foot[:2], place[:2]) > _ASTRAY or abs(wrap(foot[2] - place[2])) > _TURNED:
+        astray = math.dist(foot[:2].tolist(), place[:2].tolist()) > _ASTRAY
+        if astray or abs(wrap(foot.item(2) - place.item(2))) > _TURNED:
             self._start_step(swing, None, self.zmp_reference, self._numbers.first_shift, begins=self.dcm_reference)
 
     def _follow_ground(
