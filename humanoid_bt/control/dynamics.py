@@ -78,11 +78,6 @@ class RobotDynamics:
         """Position of the base, shape (3,)."""
         return np.array(self._qpos[:3])
 
-    @property
-    def gyro(self) -> Array:
-        """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
-        return np.asarray(self._qvel[3:6])
-
     def sole_tilt(self, foot: int) -> Array:
         """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
         _, roll, pitch = self.footings[SIDES[foot]].tolist()

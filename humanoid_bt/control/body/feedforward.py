@@ -31,7 +31,6 @@ class Feedforward:
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         self._dynamics = dynamics
         config = robot.config
-        self._gait = config.gait
         legs = [config.legs[side] for side in SIDES]
         hips = np.array([[robot.joint(leg.hip_roll), robot.joint(leg.hip_pitch)] for leg in legs])
         turns = np.array([[robot.direction(leg.hip_roll, 0), robot.direction(leg.hip_pitch, 1)] for leg in legs], float)
@@ -48,7 +47,8 @@ class Feedforward:
             *dynamics.addresses, dynamics.bias, data.qpos, data.qvel, dynamics.motions, dynamics.origin,
             chains(robot.model, [robot.model.body(leg.sole.body).id for leg in legs]), hips, turns, ankles,
             np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins),
-            robot.stiffness, robot.damping, np.zeros((3, robot.model.nv)),
+            robot.stiffness, robot.damping, config.gait.tilt_stiffness, config.gait.tilt_damping,
+            np.zeros((3, robot.model.nv)),
         )  # fmt: skip
         self._size = robot.model.nv
 
@@ -68,23 +68,12 @@ class Feedforward:
             position, velocity: setpoint that the drives will get, shape (nj,).
             tilt: roll and pitch of the pelvis as they are meant to be [rad].
         """
-        dynamics, forces = self._dynamics, np.empty(self._size)
-        roll, pitch = self._against_tilt(*tilt)
+        dynamics, forces, (roll, pitch) = self._dynamics, np.empty(self._size), tilt
         _torques(
-            forces, acceleration, position, velocity, load.force, load.share["left"], load.share["right"],
-            load.cop["left"], load.cop["right"], dynamics.soles["left"], dynamics.soles["right"], roll, pitch,
-            *self._kept,
+            forces, acceleration, position, velocity, load.force, load.share, load.cop,
+            dynamics.soles["left"], dynamics.soles["right"], dynamics.roll - roll, dynamics.pitch - pitch, *self._kept,
         )  # fmt: skip
         return forces[BASE_DOFS:]
-
-    def _against_tilt(self, roll: float, pitch: float) -> tuple[float, float]:
-        """Return the torques with which both hips together resist other roll and pitch of the base [Nm]."""
-        gait, dynamics = self._gait, self._dynamics
-        roll_rate, pitch_rate, _ = dynamics.gyro.tolist()
-        return (
-            gait.tilt_stiffness * (dynamics.roll - roll) + gait.tilt_damping * roll_rate,
-            gait.tilt_stiffness * (dynamics.pitch - pitch) + gait.tilt_damping * pitch_rate,
-        )
 
 
 @inlined
@@ -159,9 +148,9 @@ def _limit_ankles(
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8,"
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8, f8, i8, i8,"
     " f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], f8[:, ::1], i8[:, ::1], f8[::1],"
-    " f8[::1], f8[::1], f8[:, ::1])"
+    " f8[::1], f8[::1], f8, f8, f8[:, ::1])"
 )
 def _torques(
     forces: Array,
@@ -169,10 +158,8 @@ def _torques(
     position: Array,
     velocity: Array,
     force: Array,
-    left_share: float,
-    right_share: float,
-    left_cop: Array,
-    right_cop: Array,
+    shares: Array,
+    cops: Array,
     left_sole: Array,
     right_sole: Array,
     roll: float,
@@ -191,6 +178,8 @@ def _torques(
     halves: Array,
     stiffness: Array,
     damping: Array,
+    tilt_stiffness: float,
+    tilt_damping: float,
     jacobian: Array,
 ) -> None:
     """See :meth:`Feedforward.torques`.
@@ -198,30 +187,32 @@ def _torques(
     Args:
         forces: are written: those on the base, which nothing drives, and the torques of the joints, shape (nv,).
         acceleration, position, velocity: as there.
-        force, left_share, right_share, left_cop, right_cop: of the load.
+        force, shares, cops: of the load.
         left_sole, right_sole: poses, shape (3,).
-        roll, pitch: torques with which the hips resist [Nm].
+        roll, pitch: how far the pelvis is tilted from how it is meant to be [rad].
         model, data: addresses of MuJoCo's.
         bias, qpos, qvel, motions, origin: of the dynamics.
         chains: the degrees of freedom that move each foot.
         hips, turns: roll and pitch of each hip: joints, and 1, or -1 if it turns the other way round, shape (2, 2).
         ankles: pitch and roll of each ankle, shape (2, 2).
         halves, stiffness, damping, jacobian: as :func:`_limit_ankles` wants them.
+        tilt_stiffness, tilt_damping: with which both hips together resist a tilt [Nm/rad], [Nm s/rad].
     """
     mul_m(model, data, forces.ctypes, acceleration.ctypes)
     for dof in range(len(forces)):
         forces[dof] += bias[dof]
     torque = forces[len(forces) - len(position) :]
     for foot in range(2):
-        share, cop = (left_share, left_cop) if foot == 0 else (right_share, right_cop)
+        share = shares[foot]
         if share > _UNLOADED:
-            _carry(forces, share * force, cop, motions, origin, chains[foot], jacobian)
+            _carry(forces, share * force, cops[foot], motions, origin, chains[foot], jacobian)
+    against_roll = tilt_stiffness * roll + tilt_damping * qvel[3]
+    against_pitch = tilt_stiffness * pitch + tilt_damping * qvel[4]
     for foot in range(2):
-        share = left_share if foot == 0 else right_share
-        torque[hips[foot, 0]] += turns[foot, 0] * share * roll
-        torque[hips[foot, 1]] += turns[foot, 1] * share * pitch
+        torque[hips[foot, 0]] += turns[foot, 0] * shares[foot] * against_roll
+        torque[hips[foot, 1]] += turns[foot, 1] * shares[foot] * against_pitch
     for foot in range(2):
-        share, sole = (left_share, left_sole) if foot == 0 else (right_share, right_sole)
+        share, sole = shares[foot], (left_sole if foot == 0 else right_sole)
         if share >= _ANKLE_LOADED:
             _limit_ankles(
                 torque, share * force, sole, ankles[foot], halves, position, velocity, stiffness, damping,

@@ -19,14 +19,14 @@ class Load:
     """How the feet carry the robot.
 
     Attributes:
-        share: of the weight, per foot, in [0, 1].
-        cop: centre of pressure per foot, shape (2,), world frame [m].
+        share: of the weight, of the (left, right) foot, in [0, 1], shape (2,).
+        cop: their centres of pressure, shape (2, 2), world frame [m].
         zmp: the resulting zero-moment point, shape (2,), world frame [m].
         force: the resulting ground force on the robot, shape (3,), world frame [N].
     """
 
-    share: Mapping[Side, float]
-    cop: Mapping[Side, Array]
+    share: Array
+    cop: Array
     zmp: Array
     force: Array
 
@@ -89,8 +89,7 @@ class Stabilizer:
             soles["left"], soles["right"], contact["left"], contact["right"], self._half,
             gait.momentum_limit, gait.dcm_gain, gait.com_slide, self._mass, self.omega, self._dt,
         )  # fmt: skip
-        left, right = share.tolist()
-        return Load({"left": left, "right": right}, {"left": cop[0], "right": cop[1]}, zmp, force)
+        return Load(share, cop, zmp, force)
 
 
 @compiled(

@@ -28,10 +28,9 @@ def dynamics(robot: RobotModel, estimate: Estimate) -> RobotDynamics:
 
 
 def standing_load(robot: RobotModel, dynamics: RobotDynamics, left: float = 0.5) -> Load:
-    cop = {side: np.array([dynamics.com[0], dynamics.soles[side][1]]) for side in SIDES}
-    share = {"left": left, "right": 1 - left}
-    zmp = left * cop["left"] + (1 - left) * cop["right"]
-    return Load(share, cop, zmp, np.array([0, 0, robot.mass * GRAVITY]))
+    cop = np.array([(dynamics.com[0], dynamics.soles[side][1]) for side in SIDES])
+    share = np.array([left, 1 - left])
+    return Load(share, cop, share @ cop, np.array([0, 0, robot.mass * GRAVITY]))
 
 
 def torques(
@@ -69,10 +68,10 @@ def test_the_ground_carries_the_whole_weight(robot: RobotModel, dynamics: RobotD
     """With the feet's forces the base needs no force of its own, or else the joints would not get the right torques."""
     load = standing_load(robot, dynamics)
     forces, jacobian = dynamics.bias.copy(), np.zeros((3, robot.model.nv))
-    for side in SIDES:
+    for side, share, cop in zip(SIDES, load.share, load.cop, strict=True):
         foot = robot.model.body(robot.config.legs[side].sole.body).id
-        mujoco.mj_jac(robot.model, dynamics.data, jacobian, None, np.array([*load.cop[side], 0.0]), foot)
-        forces -= jacobian.T @ (load.share[side] * load.force)
+        mujoco.mj_jac(robot.model, dynamics.data, jacobian, None, np.array([*cop, 0.0]), foot)
+        forces -= jacobian.T @ (share * load.force)
     np.testing.assert_allclose(forces[:BASE_DOFS], np.zeros(BASE_DOFS), atol=0.1)
     np.testing.assert_allclose(torques(robot, dynamics, load), forces[BASE_DOFS:], atol=0.5)
 
