@@ -54,7 +54,11 @@ class Bracing:
             place: middle between the feet, world frame, shape (2,) [m].
             ground: its height [m].
         """
-        pressing = [side for side in self._sides if side not in yielding and _presses(targets.get(f"{side}_hand"))]
+        pressing = []
+        for side in self._sides:
+            target = targets.get(f"{side}_hand")
+            if isinstance(target, HandTarget) and target.press and side not in yielding:
+                pressing.append(side)
         if not (pressing or self._leans):
             return
         self._leans = True
@@ -63,7 +67,3 @@ class Bracing:
             palm, force = self._dynamics.palm(side), forces[f"{side}_arm"]
             moment += (palm[:2] - place) * force[2] - (palm[2] - ground) * force[:2]
         self.lean = self.lean + self._share * (moment / self._weight - self.lean)
-
-
-def _presses(target: Target | None) -> bool:
-    return isinstance(target, HandTarget) and target.press > 0

@@ -46,6 +46,8 @@ class InverseKinematics:
         dt: control period [s].
 
     Attributes:
+        base_pose: reference of the base, always up to date: position and quaternion wxyz, shape (7,).
+        joints: reference of the joints, likewise, shape (nj,) [rad].
         velocity: of the planned motion, shape (nv,) [m/s, rad/s].
         acceleration: smoothed, shape (nv,).
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
@@ -63,7 +65,7 @@ class InverseKinematics:
         self._program = QuadraticProgram(self._model.nv, robot.config.whole_body.damping)
         self.configuration = mink.Configuration(self._model)
         qpos: Array = self.configuration.data.qpos
-        self._qpos, self._base_pose, self._joints = qpos, qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views
+        self._qpos, self.base_pose, self.joints = qpos, qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views
         self._body = BodyTask(robot, self._model)
         config, weights = robot.config, robot.config.whole_body
         self._hands = {
@@ -146,16 +148,6 @@ class InverseKinematics:
         self._program.low[3:BASE_DOFS], self._program.high[3:BASE_DOFS] = -way, way
         self._farthest[self._eased] = share * self._freely[self._eased]
         np.minimum(self._farthest, way, out=self._farthest, where=self._of_waist)
-
-    @property
-    def base_pose(self) -> Array:
-        """Reference of the base: position and quaternion wxyz, shape (7,)."""
-        return self._base_pose
-
-    @property
-    def joints(self) -> Array:
-        """Reference of the joints, shape (nj,) [rad]."""
-        return self._joints
 
     @property
     def com_height(self) -> float:

@@ -219,7 +219,8 @@ class WholeBody:
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
         dcm = self._dcm()
-        force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
+        left, right = estimate.foot_force.tolist()
+        force: dict[Side, float] = {"left": left, "right": right}
         goal = None if hold else _goal(targets)
         self._bracing.update(targets, self._contact.forces, self.arms.sides, walker.stance[:2], walker.ground)
         lean = self._bracing.lean

@@ -193,6 +193,8 @@ class YieldingArms:
             home: likewise; it is not.
             hold: whether arms stay where they are.
         """
+        if not (self.sides or self.homeward):
+            return
         planned = self._kinematics.joints
         for side in self.sides | self.homeward:
             joints = self._joints[side]
