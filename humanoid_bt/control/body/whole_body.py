@@ -245,7 +245,7 @@ class WholeBody:
         if not hold:
             targets = self._rearranged(targets)
         self._ease()
-        tilt = self.lunge.tilts(float(walker.stance[2]))
+        tilt = self.lunge.tilts(walker.stance.item(2))
         self.kinematics.step(self._body_targets(targets, hold, tilt))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
@@ -260,7 +260,7 @@ class WholeBody:
     ) -> BodyTargets:
         walker = self.walker
         stance = walker.stance
-        heading = float(stance[2])
+        heading = stance.item(2)
         hands, palms = self._hand_goals(targets, hold)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
@@ -278,9 +278,9 @@ class WholeBody:
         held = [side for side, arm in self._arms.items() if arm.joints]
         busy = {*hands, *held, *self.arms.sides, *self.arms.homeward}
         self._arm_swing.update(stance, walker.foot_reference, busy)
-        x, y = self._stabilizer.com_reference
+        x, y = self._stabilizer.com_reference.tolist()
         wanted = walker.ground + self._home_height + self._height - self._lean.crouch
-        measured, steps = float(self.dynamics.com[2]), walker.gait is Gait.STEP
+        measured, steps = self.dynamics.com.item(2), walker.gait is Gait.STEP
         stride = 0.0 if busy else walker.stride  # stretched legs and an arm that pulls at it would make it hop
         height = self._com_height.update(wanted, measured, steps=steps, stride=stride)
         return BodyTargets(
