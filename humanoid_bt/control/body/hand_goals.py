@@ -78,9 +78,10 @@ class HandGoals:
                 self._presses[side].reset()
                 continue
             target = targets.get(f"{side}_hand") or (None if hold else self._arms.away(side))
-            hand = self._pressing(side, target if isinstance(target, HandTarget) else None, hold)
+            hand = target if isinstance(target, HandTarget) else None
             if hand is None and reference.free:
                 continue
+            hand = self._pressing(side, hand, hold)
             if reference.relative if hold else hand is not None and hand.relative:
                 followers[side] = hand
                 continue
