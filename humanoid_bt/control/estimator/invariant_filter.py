@@ -142,8 +142,9 @@ class InvariantFilter:
     @property
     def covariance(self) -> Array:
         """Of (turn, velocity, position) of the base, world frame, shape (9, 9) [rad, m/s, m]."""
-        covariance = self._covariance[:9, :9]
-        return np.asarray((covariance + covariance.T) / 2)  # to the bit: a recording keeps half of it
+        covariance: Array = np.empty((9, 9))
+        _symmetric(self._covariance, covariance)
+        return covariance
 
     def lose_accelerometer(self) -> None:
         """From now on velocity comes from the feet, until :meth:`reset`."""
@@ -231,6 +232,14 @@ class InvariantFilter:
             feet, headings[0], headings[1], standing[0], standing[1], ground[0], ground[1], self._noise.ground**2,
             *self._corrected,
         )  # fmt: skip
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1])")
+def _symmetric(whole: Array, part: Array) -> None:
+    """Write the first part of a covariance, symmetric to the bit: a recording keeps half of it."""
+    for i in range(len(part)):
+        for j in range(len(part)):
+            part[i, j] = (whole[i, j] + whole[j, i]) / 2
 
 
 @compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8)")
