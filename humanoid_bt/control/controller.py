@@ -6,7 +6,11 @@ Nor does an arm that is to yield.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType as View
+
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.control.body.body import Body
 from humanoid_bt.control.body.choice import bodies
@@ -14,8 +18,10 @@ from humanoid_bt.control.cycle_log import CycleLog
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.servo import Servo
+from humanoid_bt.control.snapshot import copies
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import ESTIMATE_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
@@ -28,12 +34,13 @@ from humanoid_bt.core.messages import (
     Reading,
     Side,
     State,
+    Target,
 )
 from humanoid_bt.core.palm import in_world, other_side, turn_left
 from humanoid_bt.files.class_files import why_raised
 from humanoid_bt.plant.interface import SILENT_AFTER, Plant
 from humanoid_bt.robot.arms import arms_of
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.018  # m/s of the centre of mass, which then has less than 5 mm to go
@@ -247,77 +254,94 @@ class Controller:
         return self._at_rest and self.supervisor.mode is not Mode.DAMP
 
     def state(self) -> State:
-        """Return a snapshot of everything."""
+        """Return a snapshot of everything, into which nobody can write."""
         estimate, body, supervisor = self.estimator.estimate, self.body, self.supervisor
-        dynamics, command = body.dynamics, supervisor.command
-        joint_command = self.servo.command
-        hand_errors, turn_errors = self._hand_errors(dynamics)
-        feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
+        dynamics, command, contacts = body.dynamics, supervisor.command, supervisor.touch.contacts
+        joints, points, turns = copies(estimate, self.servo.command, dynamics, body.stance)
+        positions, velocities, torques, setpoints, setpoint_velocities = joints
+        place, velocity, rate, com, com_velocity, stance, eyes, view, *palms = points
+        turn, *hand_turns = turns
+        covariance = self.estimator.covariance
+        covariance.setflags(write=False)
+        for contact in contacts.values():
+            contact.force.setflags(write=False)
+        hands: dict[Side, Array] = dict(zip(dynamics.sides, palms, strict=True))
+        targets = supervisor.targets
+        hand_errors, turn_errors = _hand_errors(dynamics, targets)
         return State(
             time=estimate.time,
             cycle=self.cycle,
-            joint_positions=estimate.qpos[BASE_COORDINATES:].copy(),
-            joint_velocities=estimate.qvel[BASE_DOFS:].copy(),
-            joint_torques=estimate.joint_torque.copy(),
-            setpoint_positions=joint_command.position.copy(),
-            setpoint_velocities=joint_command.velocity.copy(),
-            base_position=estimate.qpos[:3].copy(),
-            base_quaternion=estimate.qpos[3:7].copy(),
-            base_linear_velocity=estimate.qvel[:3].copy(),
-            base_angular_velocity=estimate.qvel[3:6].copy(),
-            base_covariance=self.estimator.covariance,
-            com=dynamics.com.copy(),
-            com_velocity=dynamics.com_velocity.copy(),
-            hands=dynamics.hands,
-            hand_orientations=dynamics.hand_orientations,
-            feet=feet,
-            stance=body.stance.copy(),
-            gaze_position=dynamics.gaze_position,
-            gaze_direction=dynamics.gaze_direction,
-            foot_force=dict(zip(SIDES, estimate.foot_force.tolist(), strict=True)),
+            joint_positions=positions,
+            joint_velocities=velocities,
+            joint_torques=torques,
+            setpoint_positions=setpoints,
+            setpoint_velocities=setpoint_velocities,
+            base_position=place,
+            base_quaternion=turn,
+            base_linear_velocity=velocity,
+            base_angular_velocity=rate,
+            base_covariance=covariance,
+            com=com,
+            com_velocity=com_velocity,
+            hands=View(hands),
+            hand_orientations=View(dict(zip(dynamics.sides, hand_turns, strict=True))),
+            feet=View({side: dynamics.foot_pose(side) for side in SIDES}),
+            stance=stance,
+            gaze_position=eyes,
+            gaze_direction=view,
+            foot_force=View(dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))),
             gait=body.gait,
-            footsteps=tuple((step.side, _foot_pose(step.pose)) for step in body.footsteps),
+            footsteps=tuple([(step.side, _foot_pose(step.pose)) for step in body.footsteps]),
             base_settled=self.settled,
             mode=supervisor.mode,
             stop_reason=supervisor.reason,
             stop_source=supervisor.source,
             command_sequence=command.sequence if command else -1,
-            command_sources=command.sources if command else {},
-            targets=supervisor.targets,
-            hand_errors=hand_errors,
-            hand_turn_errors=turn_errors,
-            hand_obstacles=body.hand_obstacles,
+            command_sources=View(command.sources if command else {}),
+            targets=View(targets),
+            hand_errors=View(hand_errors),
+            hand_turn_errors=View(turn_errors),
+            hand_obstacles=View(body.hand_obstacles),
             limit_flags=self._limit_flags(),
-            contacts=supervisor.touch.contacts,
+            contacts=View(contacts),
         )
 
     def _limit_flags(self) -> tuple[str, ...]:
         """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
-        robot, servo = self._robot, self.servo
-        limited = np.abs(self.estimator.estimate.joint_torque) >= robot.torque_limit
-        if servo.clamped:
-            limited |= servo.limited
-        return tuple([robot.joint_names[i] for i in limited.nonzero()[0].tolist()]) if limited.any() else ()
+        names, limited = self._robot.joint_names, np.empty(len(self._robot.joint_names), dtype=bool)
+        if not _at_limit(self.estimator.estimate.joint_torque, self._robot.torque_limit, self.servo.limited, limited):
+            return ()
+        return tuple([name for name, one in zip(names, limited.tolist(), strict=True) if one])
 
-    def _hand_errors(self, dynamics: RobotDynamics) -> tuple[dict[Side, float], dict[Side, float]]:
-        """Return how far the hands are from their targets [m], and how far they are turned from them [rad]."""
-        errors: dict[Side, float] = {}
-        turns: dict[Side, float] = {}
-        targets = self.supervisor.targets
-        for side in SIDES:
-            goal = targets.get(f"{side}_hand")
-            if side not in self._robot.config.hands or not isinstance(goal, HandTarget):
-                continue
-            if goal.relative:
-                leader = other_side(side)
-                goal = in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
-            offset = goal.position - dynamics.palm(side)
-            errors[side] = float((offset @ offset) ** 0.5)
-            if goal.orientation is not None:
-                turns[side] = turn_left(dynamics.palm_frame(side), goal.orientation)
-        return errors, turns
+
+def _hand_errors(dynamics: RobotDynamics, targets: Mapping[str, Target]) -> tuple[dict[Side, float], dict[Side, float]]:
+    """Return how far the hands are from their targets [m], and how far they are turned from them [rad]."""
+    errors: dict[Side, float] = {}
+    turns: dict[Side, float] = {}
+    for side in dynamics.sides:
+        goal = targets.get(f"{side}_hand")
+        if not isinstance(goal, HandTarget):
+            continue
+        if goal.relative:
+            leader = other_side(side)
+            goal = in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
+        offset = goal.position - dynamics.palm(side)
+        errors[side] = float((offset @ offset) ** 0.5)
+        if goal.orientation is not None:
+            turns[side] = turn_left(dynamics.palm_frame(side), goal.orientation)
+    return errors, turns
 
 
 def _foot_pose(pose: Array) -> FootPose:
     x, y, yaw = pose.tolist()
     return FootPose(x, y, yaw)
+
+
+@compiled("b1(f8[::1], f8[::1], b1[::1], b1[::1])")
+def _at_limit(torque: Array, most: Array, clamped: NDArray[np.bool_], limited: NDArray[np.bool_]) -> bool:
+    """Write which joints give all their torque, or are clamped, each of shape (nj,); return whether any is."""
+    found = False
+    for joint in range(len(torque)):
+        limited[joint] = clamped[joint] or abs(torque[joint]) >= most[joint]
+        found = found or limited[joint]
+    return found

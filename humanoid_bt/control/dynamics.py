@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,7 +12,17 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
-from humanoid_bt.robot.mujoco_functions import com_pos, com_vel, kinematics, make_m, passive, rne, subtree_vel
+from humanoid_bt.robot.mujoco_functions import (
+    com_pos,
+    com_vel,
+    kinematics,
+    make_m,
+    mat_to_quat,
+    mul_quat,
+    passive,
+    rne,
+    subtree_vel,
+)
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -28,6 +39,7 @@ class RobotDynamics:
     Attributes:
         model, data: MuJoCo's, of the robot alone.
         addresses: of these two.
+        sides: those with a hand.
         com, com_velocity: shape (3,) [m], [m/s].
         sole_positions: of the (left, right) sole, shape (2, 3) [m].
         soles: poses (x, y, yaw) of the soles.
@@ -45,13 +57,14 @@ class RobotDynamics:
         self._palm = {side: model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._palm_places = {side: data.site_xpos[site] for side, site in self._palm.items()}  # views, as the next ones
         self._palm_axes = robot.palm_axes
-        self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         gaze = model.site(GAZE_SITE).id
         self._gaze, self._view = data.site_xpos[gaze], data.site_xmat[gaze, ::3]
+        self.sides: tuple[Side, ...] = tuple(self._palm)
         self.addresses: tuple[int, int] = model._address, data._address
         self.bias: Array = data.qfrc_bias
         self.motions: Array = data.cdof
         self._qpos, self._qvel = data.qpos, data.qvel
+        self._places, self._turns = data.site_xpos, data.site_xmat
         self.origin: Array = data.subtree_com[model.body_rootid[self._base]]
         rows: Array = np.zeros((8, 3))
         self.com: Array = rows[0]
@@ -65,6 +78,10 @@ class RobotDynamics:
             rows, self._tilt, *self.addresses, data.qpos, self.bias, data.qfrc_spring, data.subtree_com[self._base],
             data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
             robot.config.feet_roll,
+        )  # fmt: skip
+        self._seen: tuple[Any, ...] = (  # likewise of :func:`_copy_sites`
+            data.site_xpos, data.site_xmat, gaze, np.array(list(self._palm.values()), np.int64),
+            np.array([quaternion(robot.palm_axes[side]) for side in self.sides]).reshape(-1, 4),
         )  # fmt: skip
 
     def update(self, estimate: Estimate) -> None:
@@ -95,26 +112,16 @@ class RobotDynamics:
 
     def palm_frame(self, side: Side) -> Array:
         """Return how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""
-        return np.asarray(self.data.site_xmat[self._palm[side]].reshape(3, 3) @ self._palm_axes[side])
-
-    @property
-    def hand_orientations(self) -> dict[Side, Array]:
-        """How the palms' frames are turned, wxyz, of the hands that the robot has."""
-        found: dict[Side, Array] = {}
-        for side, site in self._palm.items():
-            found[side] = turn = np.empty(4)
-            mujoco.mju_mat2Quat(turn, self.data.site_xmat[site])
-            mujoco.mju_mulQuat(turn, turn.copy(), self._palm_turns[side])
-        return found
+        return np.asarray(self._turns[self._palm[side]].reshape(3, 3) @ self._palm_axes[side])
 
     @property
     def hands(self) -> dict[Side, Array]:
         """Palm positions of the hands that the robot has."""
-        return {side: self.palm(side) for side in self._palm}
+        return {side: self.palm(side) for side in self.sides}
 
     def foot_pose(self, side: Side) -> FootPose:
         """Return a sole's pose."""
-        x, y, z = self.data.site_xpos[self._sole[side]].tolist()
+        x, y, z = self._places[self._sole[side]].tolist()
         return FootPose(x, y, float(self.soles[side][2]), z)
 
     @property
@@ -126,6 +133,36 @@ class RobotDynamics:
     def gaze_direction(self) -> Array:
         """Direction of view, unit vector, shape (3,)."""
         return np.array(self._view)
+
+    def copy_sites(self, points: Array, turns: Array) -> None:
+        """Write where the eyes and the palms are, and how they are turned.
+
+        Args:
+            points: position of the gaze site, direction of view, palm positions, shape (2 + hands, 3).
+            turns: how the palms' frames are turned, wxyz, shape (hands, 4).
+        """
+        _copy_sites(points, turns, *self._seen)
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], i8, i8[::1], f8[:, ::1])")
+def _copy_sites(
+    points: Array, turns: Array, places: Array, frames: Array, gaze: int, palms: Array, palm_turns: Array
+) -> None:
+    """See :meth:`RobotDynamics.copy_sites`.
+
+    Args:
+        points, turns: are written.
+        places, frames: positions and rotation matrices of all sites, shapes (n, 3) and (n, 9).
+        gaze, palms: which of these are meant.
+        palm_turns: how the palms' frames are turned in their sites, wxyz, shape (hands, 4).
+    """
+    turn = np.empty(4)
+    for i in range(3):
+        points[0, i], points[1, i] = places[gaze, i], frames[gaze, 3 * i]
+    for hand in range(len(palms)):
+        points[2 + hand] = places[palms[hand]]
+        mat_to_quat(turn.ctypes, frames[palms[hand]].ctypes)
+        mul_quat(turns[hand].ctypes, turn.ctypes, palm_turns[hand].ctypes)
 
 
 @compiled(

@@ -47,3 +47,7 @@ mul_m = _function("mj_mulM", *_MODEL_AND_DATA, _NUMBERS, _NUMBERS)
 """(model, data, product, vector)"""
 integrate_pos = _function("mj_integratePos", _ADDRESS, _NUMBERS, _NUMBERS, _NUMBER)
 """(model, qpos, velocity, time)"""
+mat_to_quat = _function("mju_mat2Quat", _NUMBERS, _NUMBERS)
+"""(quaternion, matrix)"""
+mul_quat = _function("mju_mulQuat", _NUMBERS, _NUMBERS, _NUMBERS)
+"""(product, first, second)"""

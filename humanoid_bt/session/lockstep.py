@@ -21,7 +21,7 @@ from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Level, Percept, State, Truth, frozen
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State, Truth
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
@@ -241,7 +241,7 @@ class Lockstep:
         self.plant.move_objects()
         while self._resets:
             self._reset(self._resets.popleft())
-        state = self._state = frozen(self.controller.state())
+        state = self._state = self.controller.state()
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import fields
 
@@ -31,6 +30,7 @@ from humanoid_bt.core.messages import (
     State,
     Target,
 )
+from humanoid_bt.link.wire import decode_state, encode_state
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, palm_site, sole_site
 from tests.control.control_rig import ControlRig
 
@@ -431,7 +431,7 @@ def test_the_state_says_where_everything_is(rig: ControlRig, robot: RobotModel) 
 def test_a_state_does_not_change_later(rig: ControlRig) -> None:
     rig.run(1.0, FAR)
     state = rig.state
-    kept = copy.deepcopy(state)
+    kept = decode_state(encode_state(state))
     rig.run(0.3, {**FAR, **REACH})
     for field in fields(state):
         now, then = getattr(state, field.name), getattr(kept, field.name)
