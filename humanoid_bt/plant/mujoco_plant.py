@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Iterable
 
 import mujoco
 import numpy as np
 
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
 from humanoid_bt.plant.scene import Scene, random_stream
@@ -16,6 +18,7 @@ from humanoid_bt.plant.scene_model import physics_model
 from humanoid_bt.plant.sensors import Sensors
 from humanoid_bt.plant.touches import Touches
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel, foot_sensor
+from humanoid_bt.robot.mujoco_functions import kinematics
 
 
 class MujocoPlant:
@@ -49,7 +52,11 @@ class MujocoPlant:
         self.touches = Touches(self.model, robot.config)
         feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
         self._sensors = Sensors(robot.config.sensors, self.model, self.data, joints, feet)
-        self._gaze = self.model.site(GAZE_SITE).id
+        self._kept = (  # what :func:`_truth` is called with each time
+            self.model._address, self.data._address, self.data.qpos, self.data.site_xpos, self.data.site_xmat,
+            self.model.site(GAZE_SITE).id,
+        )  # fmt: skip
+        self._forces = self.data.xfrc_applied, self.data.qfrc_applied
         self._stiffness, self._damping = robot.stiffness, robot.damping
         self._drives, self._payloads = 1.0, (0.0, 0.0)
         self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
@@ -92,7 +99,7 @@ class MujocoPlant:
         self.touches.clear()
         self.external_force_max = 0.0
         self.cycle = 0
-        self.move_objects()
+        self._put(self._objects)
         try:
             mujoco.mj_forward(self.model, self.data)
         except mujoco.FatalError as error:
@@ -101,12 +108,9 @@ class MujocoPlant:
 
     def truth(self) -> Truth:
         """Return where the robot really is."""
-        data = self.data
-        mujoco.mj_kinematics(self.model, data)  # MuJoCo's own is of the beginning of its step
-        pose = data.qpos[:BASE_COORDINATES].copy()
-        forward = data.site_xmat[self._gaze][[0, 3, 6]]
-        eye, joints = data.site_xpos[self._gaze].copy(), data.qpos[BASE_COORDINATES : self._nq].copy()
-        return Truth(self.time, pose[:3], pose[3:], eye, forward, joints)
+        numbers, eyes = np.empty(self._nq), np.empty((2, 3))
+        _truth(numbers, eyes, *self._kept)
+        return Truth(self.time, numbers[:3], numbers[3:BASE_COORDINATES], eyes[0], eyes[1], numbers[BASE_COORDINATES:])
 
     def measure(self, into: Reading | None = None) -> Reading:
         """Return what the robot's sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""
@@ -148,8 +152,11 @@ class MujocoPlant:
 
     def move_objects(self) -> None:
         """Put the scene's objects where its script says they are now."""
-        for name, body in self._objects.items():
-            self.model.body_pos[body] = self.scene.object_position(name, self.time)
+        self._put(self.scene.moved)
+
+    def _put(self, names: Iterable[str]) -> None:
+        for name in names:
+            self.model.body_pos[self._objects[name]] = self.scene.object_position(name, self.time)
 
     def alter(
         self,
@@ -230,12 +237,43 @@ class MujocoPlant:
 
     def note_external_force(self) -> None:
         """Look at every external force that MuJoCo applies now and remember the largest."""
-        for applied in (self.data.xfrc_applied, self.data.qfrc_applied):
-            if applied.any():
-                self.external_force_max = max(self.external_force_max, float(np.abs(applied).max()))
+        self.external_force_max = max(self.external_force_max, _largest(*self._forces))
 
 
 def _gives_up(error: Exception) -> str:
     """Return that physics gave up, which it does when too much touches at once."""
     why = " ".join(str(error).split())
     return f"the simulated physics gave up, most likely because too many solid things touch at once: {why}"
+
+
+@compiled("void(f8[::1], f8[:, ::1], i8, i8, f8[::1], f8[:, ::1], f8[:, ::1], i8)")
+def _truth(
+    numbers: Array, eyes: Array, model: int, data: int, qpos: Array, places: Array, turns: Array, gaze: int
+) -> None:
+    """See :meth:`MujocoPlant.truth`.
+
+    Args:
+        numbers: the robot's coordinates are written into it, shape (7 + nj,).
+        eyes: where the gaze site is and its direction of view are written into it.
+        model, data: addresses of MuJoCo's.
+        qpos: all coordinates.
+        places, turns: positions and rotation matrices of all sites, shapes (n, 3) and (n, 9).
+        gaze: which of these is meant.
+    """
+    kinematics(model, data)  # MuJoCo's own is of the beginning of its step
+    for i in range(len(numbers)):
+        numbers[i] = qpos[i]
+    for i in range(3):
+        eyes[0, i], eyes[1, i] = places[gaze, i], turns[gaze, 3 * i]
+
+
+@compiled("f8(f8[:, ::1], f8[::1])")
+def _largest(on_bodies: Array, on_joints: Array) -> float:
+    """Return the largest of some numbers, shapes (n, 6) and (m,), whatever its sign."""
+    largest = 0.0
+    for i in range(len(on_bodies)):
+        for j in range(6):
+            largest = max(largest, abs(on_bodies[i, j]))
+    for i in range(len(on_joints)):
+        largest = max(largest, abs(on_joints[i]))
+    return largest

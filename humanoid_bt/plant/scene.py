@@ -69,6 +69,9 @@ class Scene:
         config: the scene file.
         seed: draws what the file leaves to chance; each object has its own random numbers.
         floor: what all of it stands on.
+
+    Attributes:
+        moved: the objects that the script moves.
     """
 
     def __init__(self, config: SceneConfig, seed: int, floor: Floor | None = None) -> None:
@@ -85,6 +88,7 @@ class Scene:
                 begin = self.object_position(event.move, event.at)
                 goal = np.array(event.to, dtype=float)
                 self._moves[event.move].append(_Move(event.at, event.at + event.over, begin, goal))
+        self.moved = [name for name, moves in self._moves.items() if len(moves) > 1]
 
     @property
     def start_pose(self) -> tuple[float, float, float]:
