@@ -21,7 +21,7 @@ from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Level, Percept, State, Truth
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
@@ -54,6 +54,7 @@ class Lockstep:
         clock: the engine's clock.
         notices: what happened besides stops: resets.
         inputs: what came from outside.
+        truth: where the robot really was when it was sensed last.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class Lockstep:
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
+        self.truth = self.plant.truth()
         self.controller = Controller(robot, self.plant, scene.start_pose)
         self._look_with(perception)
         self.notices: Kept[Event] = Kept()
@@ -101,11 +103,6 @@ class Lockstep:
     def touches(self) -> Sequence[Touch]:
         """What of the scene the robot has touched so far, besides the floor."""
         return self.plant.touches.all
-
-    @property
-    def truth(self) -> Truth:
-        """Where the robot really is."""
-        return self.plant.truth()
 
     @property
     def shows_parameters(self) -> bool:
@@ -226,6 +223,7 @@ class Lockstep:
             self.scene = self.plant.scene = scene
         self.clock.cycle = 0
         self.plant.place(self._start)
+        self.truth = self.plant.truth()
         self.controller.reset(self.scene.start_pose)
         self._look_with(perception)
         self._percepts = {}
@@ -241,11 +239,11 @@ class Lockstep:
         self.plant.move_objects()
         while self._resets:
             self._reset(self._resets.popleft())
-        state = self._state = self.controller.state()
+        state, truth = self._state, self.truth = self.controller.state(), self.plant.truth()
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):
-            for percept in self.perception.observe(self.plant.truth(), state):
+            for percept in self.perception.observe(truth, state):
                 self._percepts[percept.name] = percept
             for level, text in self.perception.take_news():
                 self._note(level, text)
