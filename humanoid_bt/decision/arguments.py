@@ -19,20 +19,18 @@ _ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is
 
 def vector(values: Any, size: int, what: str = "position") -> Array:
     """Return numbers, shape (size,), that nobody can write into; raises ValueError if they are not finite."""
-    found = _numbers(values, f"a target's {what}", f"({size},)")
-    if found.shape != (size,):
-        raise ValueError(f"a target's {what} must have shape ({size},), not {found.shape}")
-    if not all(map(math.isfinite, found.tolist())):
-        raise ValueError(f"a target's {what} must be finite, not {found.tolist()}")
-    found.setflags(write=False)
+    found = _vector(values, size, what)
+    _check_finite(found, what)
     return found
 
 
 def place(values: Any, size: int) -> Array:
     """Return a position, shape (size,) [m]; raises ValueError if it is not finite, or out of the world."""
-    found = vector(values, size)
-    if max(map(abs, found.tolist())) > WORKSPACE:
-        raise ValueError(f"a target's position must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
+    found = _vector(values, size, "position")
+    for value in found.tolist():
+        if not -WORKSPACE <= value <= WORKSPACE:
+            _check_finite(found, "position")
+            raise ValueError(f"a target's position must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
     return found
 
 
@@ -48,7 +46,7 @@ def places(values: Any, what: str) -> Array:
         return np.empty((0, 2))
     if found.ndim != 2 or found.shape[1] != 2:
         raise ValueError(f"{what} must have shape (n, 2), not {found.shape}")
-    if not (np.abs(found) <= WORKSPACE).all():
+    if not np.abs(found).max() <= WORKSPACE:  # nor if one is NaN
         raise ValueError(f"{what} must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
     return found
 
@@ -143,14 +141,39 @@ def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing 
     return _kept(found / length)
 
 
-def _numbers(values: Any, what: str, shape: str) -> Array:
-    try:
-        found: Array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        found = np.empty(())
-    if not found.ndim:
-        raise ValueError(f"{what} must be numbers, shape {shape}, not {shortened(repr(values), _SHOWN)}")
+def _vector(values: Any, size: int, what: str) -> Array:
+    """Return numbers, shape (size,), that nobody can write into; they need not be finite."""
+    found = _array(values)
+    if found.shape != (size,):
+        if not found.ndim:
+            raise _no_numbers(values, f"a target's {what}", f"({size},)")
+        raise ValueError(f"a target's {what} must have shape ({size},), not {found.shape}")
+    found.setflags(write=False)
     return found
+
+
+def _check_finite(values: Array, what: str) -> None:
+    if not all(map(math.isfinite, values.tolist())):
+        raise ValueError(f"a target's {what} must be finite, not {values.tolist()}")
+
+
+def _numbers(values: Any, what: str, shape: str) -> Array:
+    found = _array(values)
+    if not found.ndim:
+        raise _no_numbers(values, what, shape)
+    return found
+
+
+def _array(values: Any) -> Array:
+    """Return a copy of numbers; what is none, or a single one, has no axis."""
+    try:
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        return np.empty(())
+
+
+def _no_numbers(values: Any, what: str, shape: str) -> ValueError:
+    return ValueError(f"{what} must be numbers, shape {shape}, not {shortened(repr(values), _SHOWN)}")
 
 
 def _kept(values: Array) -> Array:
