@@ -64,19 +64,20 @@ class Approach(Skill):
         track = self.robot.track(self.target)
         if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
-        stance, target = self.robot.state.stance, track.position_world[:2]
+        state, target = self.robot.state, track.position_world[:2]
+        stance = state.stance
         self._goal = self._place(track, stance[:2])
 
         self.target_distance, self.bearing_error = track.distance, track.bearing
         to_go = math.dist(self._goal, stance[:2])
         arrived = to_go < self.tolerance and abs(track.bearing) < self.angle_tolerance
-        if arrived and self.robot.state.base_settled:
+        if arrived and state.base_settled:
             return self.succeed(f"{track.distance:.2f} m from {self.target}")
         if self.look:
             self.robot.look_at(track.position_world)
-        if arrived and self.robot.state.gait is Gait.STAND:
+        if arrived and state.gait is Gait.STAND:
             return self.running("coming to rest")
-        self._stood = to_go < self.tolerance and (self._stood or self.robot.state.base_settled)
+        self._stood = to_go < self.tolerance and (self._stood or state.base_settled)
         ahead = target - (stance[:2] if self._stood else self._goal)
         return self._walk(to_go, math.atan2(ahead[1], ahead[0]))
 
@@ -99,7 +100,8 @@ class Approach(Skill):
         """Return where to stand: straight before the target if nothing is in the way, else where there is a way to."""
         target = track.position_world[:2]
         stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
-        heading = math.atan2(*(target - here)[::-1])
+        x, y = (target - here).tolist()
+        heading = math.atan2(y, x)
         goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
         straight = self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
         if self._goal is not None and (self._straight or not straight):

@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from humanoid_bt import Skill, Status, of_gaze, param
 
 _FAR, _NEAR = 0.2, 0.5  # rad below the eyes' height that it looks
@@ -40,10 +38,10 @@ class Idle(Skill):
         widest = self.robot.config.whole_body.gaze_yaw
         amplitude = min(widest, 0.4 + 0.25 * elapsed)
         yaw = amplitude * math.sin(2 * math.pi * elapsed / self.sweep_period)
-        x, y, heading = self.robot.state.stance
+        x, y, heading = self.robot.state.stance.tolist()
         # down as it comes back to the middle, where something near would stand below the view
         down = _FAR + (_NEAR - _FAR) * (1 - math.cos(2 * math.pi * elapsed / self.sweep_period)) / 2
-        eyes = self.robot.state.gaze_position[2]
-        ahead = np.array([math.cos(heading + yaw), math.sin(heading + yaw)])
-        self.robot.look_at([x + 2 * ahead[0], y + 2 * ahead[1], eyes - 2 * math.tan(down)])
+        eyes = self.robot.state.gaze_position.item(2)
+        ahead, left = math.cos(heading + yaw), math.sin(heading + yaw)
+        self.robot.look_at([x + 2 * ahead, y + 2 * left, eyes - 2 * math.tan(down)])
         return self.running("looking around")

@@ -97,7 +97,9 @@ class GivingWay:
             None if nothing is too near to where it stands, or if there is no such place.
         """
         around = self._around.obstacles
-        beside = around.distances(here[None])[0] if len(around) else np.empty(0)
+        if not len(around):
+            return None
+        beside = around.distances(here[None])[0]
         if all(name in ignore for name, room in zip(around.names, beside, strict=True) if room < self._room - _NEARER):
             return None
         places = here + _RINGS

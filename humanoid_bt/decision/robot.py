@@ -154,7 +154,7 @@ class Robot:
     @property
     def obstacles(self) -> Sequence[Track]:
         """Everything seen so far that is solid, as it was at the start of the tick, but what is known to be gone."""
-        solid = (self._track(name) for name, (percept, *_) in self._percepts.items() if percept.size is not None)
+        solid = [self._track(name) for name, placed in self._percepts.items() if placed[0].size is not None]
         return [track for track in solid if track is not None and not track.gone]
 
     @property

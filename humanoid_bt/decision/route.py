@@ -88,13 +88,13 @@ class Route:
         goal, heading = arguments.place(place, 2), arguments.number(heading, "heading", math.inf, "rad")
         here = self._robot.state.stance[:2]
         around = self._around.look()
-        self._measure(np.array([here, goal]), heading)
+        self._measure([here.tolist(), goal.tolist()], heading)
         taken = self._taken(around, goal[None], ignore)[0]
         if taken and (self.to_go < _PASSING or not {around.names[i] for i in self._around.moving}.issuperset(taken)):
             return self._wait(taken, f"{'stands' if len(taken) == 1 else 'stand'} there, or too near to it")
         if (away := self._giving_way.away(here, ignore)) is not None:
             return self._walk(here, away, float(self._robot.state.stance[2]))
-        if around.straight(here, goal[None], self._narrow).all():
+        if self._leads_straight(around, here, goal):
             self._plan = None
             return self._walk(here, goal, heading)
         if self._outdated(here, goal):
@@ -104,7 +104,7 @@ class Route:
             return self._wait_for_way(around, here, goal)
         along = _project(points, here)[0]
         lengths = _lengths(points)
-        self._measure(np.concatenate([here[None], points[lengths > along + _SPACING], goal[None]]), heading)
+        self._measure([here.tolist(), *points[lengths > along + _SPACING].tolist(), goal.tolist()], heading)
         ahead = self._ahead(around, here, points, along)
         offset = ahead - here
         direction, length = math.atan2(offset[1], offset[0]), float(np.linalg.norm(offset))
@@ -148,8 +148,8 @@ class Route:
 
     def is_straight(self, place: Any) -> bool:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
-        goal = arguments.place(place, 2)[None]
-        return bool(self._around.look().straight(self._robot.state.stance[:2], goal, self._narrow).all())
+        goal = arguments.place(place, 2)
+        return self._leads_straight(self._around.look(), self._robot.state.stance[:2], goal)
 
     def hits(self, place: Any) -> str:
         """Return what the robot would step into on the straight way to a place, shape (2,), world frame [m].
@@ -170,6 +170,10 @@ class Route:
             return ""
         room = self._robot.config.walking_radius - _TURNING
         return self._named(around, around.distances(self._robot.state.stance[None, :2])[0] < room)
+
+    def _leads_straight(self, around: Obstacles, here: Array, goal: Array) -> bool:
+        """Return whether nothing is between two places."""
+        return not len(around) or bool(around.straight(here, goal[None], self._narrow).all())
 
     def _named(self, around: Obstacles, which: Array) -> str:
         return listed(few([name for name, one in zip(around.names, which.tolist(), strict=True) if one], _MOST_TOLD))
@@ -219,11 +223,11 @@ class Route:
                 alone.append(name)
         return alone or self._in_the_way
 
-    def _measure(self, points: Array, heading: float) -> None:
+    def _measure(self, points: Sequence[Sequence[float]], heading: float) -> None:
         """Note how far it is along points, from where the robot stands and faces to where it is to face."""
         near, faces = self._robot.config.gait.near, [self._robot.state.stance.item(2)]
         self.to_go = 0.0
-        for (x, y), (next_x, next_y) in pairwise(points.tolist()):
+        for (x, y), (next_x, next_y) in pairwise(points):
             length = math.hypot(next_x - x, next_y - y)
             self.to_go += length
             if length > near:

@@ -115,6 +115,8 @@ class Surroundings:
     @property
     def moving(self) -> list[int]:
         """What moves now, by its number among the obstacles."""
+        if not self.movers:
+            return []
         return np.flatnonzero(self.velocities.any(axis=1)).tolist()
 
     def look(self) -> Obstacles:
@@ -150,8 +152,11 @@ class Surroundings:
         return np.asarray(self.obstacles.middles[list(self.obstacles.names).index(name)])
 
     def _tracks(self) -> list[Track]:
+        solid = self._robot.obstacles
+        if not (solid or self._named or self._things):
+            return []
         eyes = float(self._robot.state.gaze_position[2])
-        solid = [track for track in self._robot.obstacles if not _is_overhead(track, eyes)]
+        solid = [track for track in solid if not _is_overhead(track, eyes)]
         sized = {track.name for track in solid}
         named = [self._robot.track(name) for name in self._named if name not in sized]
         return solid + [track for track in named if track is not None and not track.gone] + self._left()
