@@ -49,7 +49,6 @@ class Teller:
         waits: whether an emergency stop is waited for, until its reset.
         resting: what the run does between two trees, in words.
         truth: where the robot really was at the last tick, None if nobody knows.
-        odometry: how far that is from where it was believed to be: off [m], turned [rad]; None likewise.
     """
 
     def __init__(self, listener: Listener, engine: Engine, given: Mapping[str, Any]) -> None:
@@ -60,7 +59,7 @@ class Teller:
         self.waits = False
         self.resting = "waiting for an edit"
         self.truth: Truth | None = None
-        self.odometry: dict[str, float] | None = None
+        self._state: State | None = None  # of the last tick
         self._began = time.monotonic()
         self._ticks = 0
         self._published = -math.inf  # on the monotonic clock [s]
@@ -70,6 +69,13 @@ class Teller:
     def now(self) -> float:
         """The engine's time [s]."""
         return self._engine.clock.now()
+
+    @property
+    def odometry(self) -> dict[str, float] | None:
+        """How far the robot was from where it was believed to be: off [m], turned [rad]; None if nobody knows."""
+        if self.truth is None or self._state is None:
+            return None
+        return dict(zip(("off", "turned"), odometry_error(self._state, self.truth), strict=True))
 
     def begin(self) -> None:
         """Count ticks from now on, and tell what there is to say before the first one."""
@@ -160,9 +166,7 @@ class Teller:
             took: how long the tree took, on the wall clock [s].
         """
         robot, tip = runner.robot, runner.tip
-        self.truth = truth = self._engine.truth
-        if truth is not None:
-            self.odometry = dict(zip(("off", "turned"), odometry_error(state, truth), strict=True))
+        self._state, self.truth = state, self._engine.truth
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
@@ -174,7 +178,7 @@ class Teller:
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
-            if truth is not None:
+            if (truth := self.truth) is not None:
                 self.recorder.truth(truth.time, [*truth.base_position.tolist(), *truth.base_quaternion.tolist()])
             tick = Tick(state, self._changes.percepts(percepts), command, took)
             routes = [route.tolist() for route in robot.routes]
