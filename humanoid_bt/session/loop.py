@@ -21,6 +21,7 @@ from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 
 _ENDED = (Status.SUCCESS, Status.FAILURE)
+_STOPPED = (Mode.EMERGENCY_STOP, Mode.DAMP)
 
 
 class Successor(Protocol):
@@ -162,7 +163,7 @@ class Loop:
     def _end(self, state: State, pause: Pause | None) -> End | None:
         """Return how the run ends after this tick, None if it goes on; in a pause the end of the tree is kept back."""
         runner = self._runner
-        if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
+        if state.mode in _STOPPED and (state.mode is Mode.DAMP or not self.waits):
             return self._stopped()
         if pause is None and not runner.ended and (end := self._result()) is not None:
             if self.successor is None:
@@ -186,7 +187,7 @@ class Loop:
             why: why the run ends then, "" if because the robot is stopped.
         """
         state = self.state
-        if state is None or state.mode not in (Mode.EMERGENCY_STOP, Mode.DAMP):
+        if state is None or state.mode not in _STOPPED:
             return None
         why = why or ("a fall ends the run" if state.mode is Mode.DAMP else "")
         return End("stopped", f"{state.stop_reason} ({state.stop_source})" + (f"; {why}" if why else ""))
