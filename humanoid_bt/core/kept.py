@@ -18,24 +18,21 @@ class Kept(list[Entry]):
 
     Attributes:
         left_out: how many between them were dropped.
+        total: how many there ever were.
     """
 
     def __init__(self, most: int = MOST) -> None:
         super().__init__()
         self._half, self._few, self._most = most // 2, max(most // 10, 1), most
-        self.left_out = 0
+        self.left_out = self.total = 0
 
     def append(self, entry: Entry) -> None:
         """Add an entry; now and then older ones make room for it."""
         super().append(entry)
+        self.total += 1
         if len(self) > self._most:
             del self[self._half : self._half + self._few]
             self.left_out += self._few
-
-    @property
-    def total(self) -> int:
-        """How many there ever were."""
-        return len(self) + self.left_out
 
     def since(self, total: int) -> list[Entry]:
         """Return what was added after there were so many, oldest first."""
