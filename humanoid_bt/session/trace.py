@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Command, Level, State
@@ -23,6 +24,7 @@ class Trace:
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
+        self._sources: tuple[Mapping[str, str], str] = ({}, "[]")  # of the last command's targets, and as text
         self.timeline: Kept[NodeChange] = Kept()
         self.events: Kept[tuple[float, Level, str]] = Kept()
         self.reloads: list[Reload] = []
@@ -48,6 +50,8 @@ class Trace:
 
     def tick(self, state: State, command: Command) -> None:
         """Take what one tick saw and commanded."""
+        if command.sources != self._sources[0]:
+            self._sources = command.sources, str(sorted(command.sources.items()))
+        what = f"{state.cycle} {state.mode.value} {self._sources[1]}".encode()
         seen = (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position)
-        what = f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode()
-        self._hash.update(b"".join((*(values.tobytes() for values in seen), pack_targets(command.targets), what)))
+        self._hash.update(b"".join([*[values.tobytes() for values in seen], pack_targets(command.targets), what]))
