@@ -190,7 +190,7 @@ class Supervisor:
         return ""
 
     def _fault(self, command: Command) -> str:
-        if not isinstance(command.pause, Pause | None):
+        if command.pause is not None and not isinstance(command.pause, Pause):
             return f"malformed: {command.pause!r} is no pause"
         for resource, target in command.targets.items():
             if resource not in RESOURCES or not isinstance(target, _TARGET_TYPES[resource]):
@@ -345,10 +345,9 @@ def _target_fault(target: BaseTarget | HandTarget | GazeTarget | PostureTarget) 
     if not isinstance(values, np.ndarray) or values.shape != shape or values.dtype.kind not in "fi":
         return "is malformed"
     numbers = [*values.tolist(), number]
-    if not all(map(math.isfinite, numbers)):
-        return "is not finite"
-    if max(map(abs, numbers)) > limit:
-        return "is out of range"
+    for value in numbers:
+        if not -limit <= value <= limit:
+            return "is out of range" if all(map(math.isfinite, numbers)) else "is not finite"
     return ""
 
 
