@@ -103,14 +103,21 @@ class Approach(Skill):
         x, y = (target - here).tolist()
         heading = math.atan2(y, x)
         goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
-        straight = self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
-        if self._goal is not None and (self._straight or not straight):
-            moved = math.dist(target, self._goal_of)  # or seems to by noise, which grows with the way left
-            noise = 0.02 + 0.1 * math.dist(self._goal, here)
-            if moved < noise and self._route.free([self._goal], [self.target])[0]:
-                return self._goal
-        self._goal_of, self._straight = target, straight
-        return goal if straight else self._beside(track, heading, stop_at, goal)
+        holds = self._goal is not None and self._holds(self._goal, target, here)
+        if holds and (self._straight or not self._leads_straight(goal)):
+            return self._goal
+        self._goal_of, self._straight = target, self._leads_straight(goal)
+        return goal if self._straight else self._beside(track, heading, stop_at, goal)
+
+    def _holds(self, goal: np.ndarray, target: np.ndarray, here: np.ndarray) -> bool:
+        """Return whether the robot can still go where it went before: the target has not moved."""
+        moved = math.dist(target, self._goal_of)  # or seems to by noise, which grows with the way left
+        noise = 0.02 + 0.1 * math.dist(goal, here)
+        return moved < noise and self._route.free([goal], [self.target])[0]
+
+    def _leads_straight(self, goal: np.ndarray) -> bool:
+        """Return whether nothing is in the way to a place, nor at it."""
+        return self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
 
     def _beside(self, track: Track, heading: float, stop_at: float, goal: np.ndarray) -> np.ndarray:
         """Return the best place to stand beside a target among obstacles; the one straight ahead if there is none.
