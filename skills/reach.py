@@ -100,7 +100,8 @@ class Reach(Skill):
         place = self._route.next(hand, aim, ignore=[self.target])
         self.robot.move_hand(hand, place, direction=direction, axis=self.axis, speed=self.speed)
         now, turn_error = self.robot.clock.now(), 0.0
-        self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[hand] - aim))
+        offset = self.robot.state.hands[hand] - aim
+        self.hand_error = error = math.sqrt(offset @ offset)
         if direction is not None:
             axis = self.robot.pose(f"{hand}_palm").rotation[:, 0 if self.axis == "fingers" else 2]
             self.turn_error = turn_error = math.acos(max(-1.0, min(1.0, float(axis @ direction))))

@@ -101,8 +101,8 @@ class Scene:
         Raises:
             KeyError: the scene has no such object.
         """
-        move = next(move for move in reversed(self._moves[name]) if move.begin <= time)
-        return move.position(time).copy()
+        begun = [move for move in self._moves[name] if move.begin <= time]
+        return begun[-1].position(time).copy()
 
     def box(self, name: str) -> Box | None:
         """Return the box around an object, wherever it is; None if it is not solid."""
