@@ -68,11 +68,11 @@ class Approach(Skill):
         stance = state.stance
         self._goal = self._place(track, stance[:2])
 
-        self.target_distance, self.bearing_error = track.distance, track.bearing
+        self.target_distance, self.bearing_error = distance, bearing = track.distance, track.bearing
         to_go = math.dist(self._goal, stance[:2])
-        arrived = to_go < self.tolerance and abs(track.bearing) < self.angle_tolerance
+        arrived = to_go < self.tolerance and abs(bearing) < self.angle_tolerance
         if arrived and state.base_settled:
-            return self.succeed(f"{track.distance:.2f} m from {self.target}")
+            return self.succeed(f"{distance:.2f} m from {self.target}")
         if self.look:
             self.robot.look_at(track.position_world)
         if arrived and state.gait is Gait.STAND:
