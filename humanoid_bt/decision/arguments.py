@@ -46,8 +46,9 @@ def places(values: Any, what: str) -> Array:
         return np.empty((0, 2))
     if found.ndim != 2 or found.shape[1] != 2:
         raise ValueError(f"{what} must have shape (n, 2), not {found.shape}")
-    if not np.abs(found).max() <= WORKSPACE:  # nor if one is NaN
-        raise ValueError(f"{what} must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
+    for x, y in found.tolist():
+        if not (-WORKSPACE <= x <= WORKSPACE and -WORKSPACE <= y <= WORKSPACE):
+            raise ValueError(f"{what} must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
     return found
 
 
