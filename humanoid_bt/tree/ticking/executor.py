@@ -17,6 +17,7 @@ from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.overridden import not_set_up
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.skill import Skill
 from humanoid_bt.files.class_files import class_file, method_place, place_in_file
 from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
@@ -97,6 +98,7 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._skills = frozenset(node.behaviour for node in tree.nodes if node.kind == "skill")
+        self._commanding: dict[Behaviour, Skill] = {skill: skill for skill in self._skills if isinstance(skill, Skill)}
         self._told: dict[Behaviour, Status] = dict.fromkeys(self._nodes, INVALID)
         self._tally = tally(tree)
         self._caught: dict[Behaviour, tuple[str, int]] = {}  # what was taken of a node last, and how often in a row
@@ -182,7 +184,7 @@ class Executor:
 
     def _seen(self) -> Seen:
         seen = Seen() if self._tally is None else Counted(self._tally)
-        seen.skills = self._skills
+        seen.skills, seen.commanding = self._skills, self._commanding
         return seen
 
     def _halt_all(self, reason: str, seen: Seen) -> Raised | None:

@@ -42,12 +42,14 @@ class Seen(list[Behaviour]):
     Attributes:
         changed: whether any of them has another status than before, or has come to it once more.
         skills: nodes of which is told each time that they end.
+        commanding: those of them that command the robot as skills of this package do, each as what it is.
         once_more: those of them that were started anew and have ended as they had before; not if only asked again.
         ends: how those of them ended that were reset after they had been ticked.
     """
 
     changed = False
     skills: Collection[Behaviour] = ()
+    commanding: Mapping[Behaviour, Skill] = {}
     once_more: Collection[Behaviour] = ()
     ends: Mapping[Behaviour, End] = {}
 
@@ -128,8 +130,8 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             status: Status = node.update() if leaf else node.advance(seen)  # type: ignore[attr-defined]  # a Branch
         else:
             status = _own_tick(node)
-        if status is RUNNING and node in seen.skills and isinstance(node, Skill):
-            check_relative(node.robot.targets)
+        if status is RUNNING and (skill := seen.commanding.get(node)) is not None:
+            check_relative(skill.robot.targets)
         if forks.astray or (status is not RUNNING and status is not SUCCESS and status is not FAILURE):
             raise _no_status(node, status)
     except Raised:
