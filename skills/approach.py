@@ -69,7 +69,7 @@ class Approach(Skill):
         self._goal = self._place(track, stance[:2])
 
         self.target_distance, self.bearing_error = distance, bearing = track.distance, track.bearing
-        to_go = math.dist(self._goal, stance[:2])
+        to_go = math.dist(self._goal.tolist(), stance[:2].tolist())
         arrived = to_go < self.tolerance and abs(bearing) < self.angle_tolerance
         if arrived and state.base_settled:
             return self.succeed(f"{distance:.2f} m from {self.target}")
@@ -79,7 +79,7 @@ class Approach(Skill):
             return self.running("coming to rest")
         self._stood = to_go < self.tolerance and (self._stood or state.base_settled)
         ahead = target - (stance[:2] if self._stood else self._goal)
-        return self._walk(to_go, math.atan2(ahead[1], ahead[0]))
+        return self._walk(to_go, math.atan2(ahead.item(1), ahead.item(0)))
 
     def _walk(self, to_go: float, heading: float) -> Status:
         """Walk on to the goal, which is so far away [m], to face in a direction [rad]."""
@@ -111,8 +111,10 @@ class Approach(Skill):
 
     def _holds(self, goal: np.ndarray, target: np.ndarray, here: np.ndarray) -> bool:
         """Return whether the robot can still go where it went before: the target has not moved."""
-        moved = math.dist(target, self._goal_of)  # or seems to by noise, which grows with the way left
-        noise = 0.02 + 0.1 * math.dist(goal, here)
+        moved = math.dist(
+            target.tolist(), self._goal_of.tolist()
+        )  # or seems to by noise, which grows with the way left
+        noise = 0.02 + 0.1 * math.dist(goal.tolist(), here.tolist())
         return moved < noise and self._route.free([goal], [self.target])[0]
 
     def _leads_straight(self, goal: np.ndarray) -> bool:
