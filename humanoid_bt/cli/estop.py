@@ -66,7 +66,11 @@ class _Watch:
 
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
-        self._name = identity(folder)  # before it is stopped: a run that ends by it takes its folder along
+        self._name = identity(folder)  # before it is stopped, as the rest: a run that ends by it takes its folder along
+        try:
+            self._says, self._lived = True, folder.info.alive
+        except LinkError:
+            self._says, self._lived = False, self._may_move()
         self._stood = False  # it was raised before
         self._problem = ""  # why the e-stop is not raised
         self._unseen = ""  # why nobody can see what comes of it
@@ -92,12 +96,7 @@ class _Watch:
     @property
     def matters(self) -> bool:
         """Whether a robot may walk there: neither a run that has ended, nor the folder of a dead one."""
-        if self._ended:
-            return not self._problem  # it was there to be stopped
-        try:
-            return self._folder.info.alive
-        except LinkError:  # it does not say itself
-            return not self._problem and self._may_move()
+        return self._lived and not (self._problem and (self._ended or not self._says))
 
     def _may_move(self) -> bool:
         try:

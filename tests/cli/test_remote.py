@@ -124,6 +124,21 @@ def test_a_run_that_a_stop_ends_is_told_by_its_name(one: Played, capsys: pytest.
     assert told.endswith(" ms, which ended the run\n")
 
 
+def test_a_run_is_told_of_that_goes_while_it_is_asked_who_lives(
+    one: Played, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    living = run_folder._living
+
+    def gone_meanwhile(folder: Path) -> frozenset[str]:
+        if one.stopped:
+            one.folder.close()
+        return living(folder)
+
+    monkeypatch.setattr(run_folder, "_living", gone_meanwhile)
+    assert main(["estop"]) == 0
+    assert "emergency stop after" in capsys.readouterr().out
+
+
 def _lose_ring(folder: Path) -> None:
     (folder / "state").unlink()
 
