@@ -42,12 +42,12 @@ def verdict(kept: bool) -> Verdict:
     return "ok" if kept else "missed"
 
 
-STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 5.0, "x")
-SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 6.0, "x", at_least=True)
-ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.8, "x")
-OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.25, "x")
-LOG_USUAL = Promise("keeping a servo cycle for the recording, p50, beside the CPU time of a cycle", 0.02, "x")
-LOG = Promise("keeping a servo cycle for the recording, p99, beside the CPU time of a cycle", 0.05, "x")
+STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 4.0, "x")
+SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 7.0, "x", at_least=True)
+ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.5, "x")
+OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.2, "x")
+LOG_USUAL = Promise("keeping a servo cycle for the recording, p50, beside `mj_step` for as long", 0.06, "x")
+LOG = Promise("keeping a servo cycle for the recording, p99, beside `mj_step` for as long", 0.15, "x")
 TICK = Promise("a tick, snapshot and command included, beside plain py_trees with the same leaves", 1.0, "x")
 LOAD = Promise("loading a tree of 500 nodes with all checks, beside `yaml.safe_load` of its text", 2.0, "x")
 
