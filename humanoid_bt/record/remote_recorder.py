@@ -302,7 +302,8 @@ class RemoteRecorder:
         what, limit = "read what it was given", 0.0
         try:
             self._outbox.put(encode_call("close"), _PATIENCE)
-            self._end.shutdown(socket.SHUT_WR)
+            with suppress(OSError):  # it has closed already
+                self._end.shutdown(socket.SHUT_WR)
             while (answer := self._answer(limit + _PATIENCE))[0] != "closed":
                 _, what, limit = answer
         except Stuck:
