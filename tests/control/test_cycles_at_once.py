@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import count
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.core.messages import BaseTarget, Gait, HandTarget, Mode, Target
+from humanoid_bt.core.messages import BaseTarget, Gait, HandTarget, JointCommand, Mode, Reading, Target
 from humanoid_bt.link.wire import encode_state
 from tests.control.control_rig import ControlRig
 
@@ -62,6 +63,39 @@ def _plant_that_is_late(rig: ControlRig, patch: pytest.MonkeyPatch) -> None:
     rig.silence(patch, 0.013)
 
 
+def _plant_that_is_silent_without_a_fault(rig: ControlRig, patch: pytest.MonkeyPatch) -> None:
+    rig.silence(patch, 0.1)
+    told = rig.plant.measure
+
+    def measured(into: Reading | None = None) -> Reading:
+        reading = told(into)
+        patch.setattr(rig.plant, "fault", "")
+        return reading
+
+    patch.setattr(rig.plant, "measure", measured)
+
+
+def _plant_with_a_fault(rig: ControlRig, patch: pytest.MonkeyPatch) -> None:
+    """It comes and goes between two estimates, and what is measured is as ever."""
+    step = rig.plant.step
+
+    def stepped(command: JointCommand) -> None:
+        step(command)
+        patch.setattr(rig.plant, "fault", "it is hot" if 336 < rig.plant.cycle < 373 else "")
+
+    patch.setattr(rig.plant, "step", stepped)
+
+
+def _no_solution_for_a_while(_rig: ControlRig, patch: pytest.MonkeyPatch) -> None:
+    solve, plans = QuadraticProgram.solve, count()
+    patch.setattr(QuadraticProgram, "solve", lambda of: solve(of) if next(plans) > 24 else None)
+
+
+def _last_command(rig: ControlRig, _patch: pytest.MonkeyPatch) -> None:
+    """It comes between two ticks, and so does the end of the time for which decision may be silent."""
+    rig.command(WALK)
+
+
 def _no_solution(_rig: ControlRig, patch: pytest.MonkeyPatch) -> None:
     patch.setattr(QuadraticProgram, "solve", lambda _: None)
 
@@ -82,14 +116,13 @@ def _ran(
     controller, layout = rig.controller, Layout.of(rig.robot.joint_names)
     tables = layout.local()
     controller.log = CycleLog(*tables, layout)
-    states, rows, count = list[bytes](), list[bytes](), 0
-    cycles = controller.run_cycles if at_once else lambda count: [controller.run_cycle() for _ in range(count)]
+    states, rows, given = list[bytes](), list[bytes](), 0
+    cycles = controller.run_cycles if at_once else _one_by_one(controller.run_cycles)
     with pytest.MonkeyPatch.context() as patch:
-        if not at_once:
-            patch.setattr(controller, "run_cycles", _one_by_one(controller.run_cycles))
+        patch.setattr(controller, "run_cycles", cycles)
         while controller.cycle < END:
-            if controller.cycle % 20 == 0 and count < ticks:
-                count += 1
+            if controller.cycle % 20 == 0 and given < ticks:
+                given += 1
                 rig.command(targets)
             if controller.cycle == EVENT:
                 prepare(rig, patch)
@@ -103,8 +136,8 @@ def _ran(
 
 
 def _one_by_one(run_cycles: Callable[[int], None]) -> Callable[[int], None]:
-    def run(count: int) -> None:
-        for _ in range(count):
+    def run(number: int) -> None:
+        for _ in range(number):
             run_cycles(1)
 
     return run
@@ -121,7 +154,10 @@ def _one_by_one(run_cycles: Callable[[int], None]) -> Callable[[int], None]:
         (_failing_sensor, Mode.PROTECTIVE_STOP),
         (_plant_that_is_silent, Mode.RUN),
         (_plant_that_is_late, Mode.RUN),
+        (_plant_that_is_silent_without_a_fault, Mode.RUN),
+        (_plant_with_a_fault, Mode.RUN),
         (_no_solution, Mode.PROTECTIVE_STOP),
+        (_no_solution_for_a_while, Mode.RUN),
         (_arm_in_the_way, Mode.RUN),
         (_request, Mode.PROTECTIVE_STOP),
     ],
@@ -136,11 +172,13 @@ def test_whatever_happens_a_run_is_the_same_to_the_bit(rig: ControlRig, prepare:
     assert b"".join(rows[::2]) == b"".join(one_by_one[1][::2])
 
 
-@pytest.mark.parametrize("ticks", [0, 3, 8])
-def test_silence_of_decision_is_noticed_in_the_same_cycle(rig: ControlRig, ticks: int) -> None:
-    one_by_one = _ran(rig, _nothing, WALK, ticks, at_once=False)
-    assert len(one_by_one[2]) == bool(ticks)
-    assert _ran(rig, _nothing, WALK, ticks, at_once=True) == one_by_one
+@pytest.mark.parametrize(("prepare", "ticks", "stops"), [(_nothing, 0, 0), (_nothing, 3, 1), (_last_command, 13, 1)])
+def test_silence_of_decision_is_noticed_in_the_same_cycle(
+    rig: ControlRig, prepare: Prepare, ticks: int, stops: int
+) -> None:
+    one_by_one = _ran(rig, prepare, WALK, ticks, at_once=False)
+    assert len(one_by_one[2]) == stops
+    assert _ran(rig, prepare, WALK, ticks, at_once=True) == one_by_one
 
 
 def test_what_has_not_changed_is_looked_at_once_in_five_cycles(
