@@ -444,6 +444,18 @@ def test_a_state_does_not_change_later(rig: ControlRig) -> None:
             assert now == then, field.name
 
 
+def test_nobody_can_write_into_a_state(rig: ControlRig) -> None:
+    rig.run(0.1, REACH)
+    state = rig.state
+    values = [getattr(state, field.name) for field in fields(state)]
+    mappings = [value for value in values if isinstance(value, Mapping)]
+    for inner in [*values, *(part for mapping in mappings for part in mapping.values())]:
+        if isinstance(inner, np.ndarray):
+            assert not inner.flags.writeable
+    assert len(mappings) > 5
+    assert not any(hasattr(mapping, "__setitem__") for mapping in mappings)
+
+
 def test_looking_does_not_change_what_happens(rig: ControlRig) -> None:
     """Asking for the state between the periods of the whole-body loop has no effect on it."""
     traces = []
