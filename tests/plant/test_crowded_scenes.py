@@ -50,11 +50,11 @@ def test_a_scene_in_which_physics_gives_up_is_told(tmp_path: Path) -> None:
     with pytest.raises(
         UserError, match="the simulated physics gave up, most likely because too many solid things touch"
     ):
-        Session("stand", scene=scene(tmp_path, [f"o{number}" for number in range(250)]))
+        Session("stand", scene=scene(tmp_path, [f"o{number}" for number in range(300)]))
 
 
 def test_physics_that_gives_up_later_ends_the_run_with_one_message(tmp_path: Path) -> None:
-    names = [f"o{number}" for number in range(250)]
+    names = [f"o{number}" for number in range(300)]
     file = scene(tmp_path, names)
     text = file.read_text(encoding="utf-8").replace(", 0, 0.9]", ", 50, 0.9]")  # far away, but not for long
     moves = "".join(
