@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -38,7 +39,13 @@ def nothing_left(victim: Victim) -> None:
 
 
 def ended_as_told(victim: Victim, code: int, codes: Sequence[int]) -> None:
-    """The exit code, the report, and no traceback."""
+    """The exit code, the report, and no traceback.
+
+    A second Ctrl-C can come as Python ends, which has put back the system's handler by then: the program dies of it,
+    after its report. A shell shows 130 then as well.
+    """
+    if code == -signal.SIGINT and victim.has_report:
+        code = 130
     assert code in codes, f"exit code {code}, not one of {list(codes)}"
     assert "Traceback" not in victim.output, "a traceback"
     if code < 0:
