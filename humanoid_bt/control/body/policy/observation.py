@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from itertools import accumulate
 
 import numpy as np
 
-from humanoid_bt.core.geometry import clamp, rotation_matrix
+from humanoid_bt.core.compiled import compiled, inlined
+from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
 from humanoid_bt.robot.policy.config import PhaseConfig
 from humanoid_bt.robot.policy.network import Tensor
-from humanoid_bt.robot.policy.policy import Indices, Policy, Term
+from humanoid_bt.robot.policy.options import PHASES
+from humanoid_bt.robot.policy.policy import Indices, Policy
 
 _AXES = {"vx": 0, "vy": 1, "wz": 2}
-_DOWN = np.array([0.0, 0.0, -1.0])
-_NOTHING: Array = np.zeros(0)
 
 
 class Phase:
@@ -46,22 +48,25 @@ class Phase:
         """
         config = self._config
         if config.standing is not None and stands:
-            self.angles = np.array(config.standing)
+            self.angles[:] = config.standing
         elif config.standing is not None and self._stands:
-            self.angles = np.array(config.start)
+            self.angles[:] = config.start
         else:
-            self.angles = (self.angles + self._step + math.pi) % math.tau - math.pi
+            _turn(self.angles, self._step)
         self._stands = stands
 
-    def seen(self, stands: bool) -> tuple[Array, Array]:
-        """Return what is observed of it: sines and cosines, of the shape of ``angles`` each.
+    def show(self, stands: bool, sines: Array, cosines: Array) -> None:
+        """Write what is observed of it, of the shape of ``angles`` each.
 
         Args:
             stands: whether the command is to stand.
+            sines, cosines: are written.
         """
         if stands and self._config.standing_zero:
-            return np.zeros_like(self.angles), np.zeros_like(self.angles)
-        return np.sin(self.angles), np.cos(self.angles)
+            sines[:] = cosines[:] = 0.0
+        else:
+            np.sin(self.angles, out=sines)
+            np.cos(self.angles, out=cosines)
 
     @property
     def is_ahead(self) -> bool:
@@ -82,16 +87,26 @@ class Observation:
     """
 
     def __init__(self, policy: Policy, joints: Indices, period: float) -> None:
-        self._policy, self._config = policy, policy.config.observation
-        self._joints = joints
-        phase = policy.config.phase
+        self._policy = policy
+        config, phase = policy.config.observation, policy.config.phase
         self._phase = Phase(phase, period) if phase else None
+        now, parts = _parts(policy)
+        self._velocity, self._sines, self._cosines = (now[parts[name]] for name in ("base_lin_vel", *PHASES))
+        self._sees_velocity = any(term.config.term == "base_lin_vel" for term in policy.terms)
+        self._seen = joints, policy.default_pose, now  # what :func:`_look` is called with each time
+        self._past: Array = np.zeros(policy.width)
+        self._fills = config.fill == "first"
+        self._told = (  # likewise of :func:`_tell`
+            now, _places(policy, parts), *_rules(policy), config.clipped == "before_scale",
+            math.inf if config.clip is None else config.clip, _memory(policy), self._past,
+        )  # fmt: skip
         self.reset()
 
     def reset(self) -> None:
         """Begin: nothing was observed, nothing was done."""
         self.last_action: Array = np.zeros(len(self._policy.moves))
-        self._history: list[Array] | None = None
+        self._past[:] = 0.0
+        self._begins = True
         if self._phase:
             self._phase.reset()
 
@@ -104,72 +119,162 @@ class Observation:
             stands: whether that is to stand.
             masked: joints, of the policy's, that others move: seen at rest in the default pose.
         """
-        phase = self._phase
-        if phase and phase.is_ahead:
-            phase.advance(stands)
-        values = self._values(estimate, command, stands, masked)
-        if phase and not phase.is_ahead:
-            phase.advance(stands)
-        latest: list[Array] = []
-        for term in self._policy.terms:
-            config, known = term.config, values[term.config.term]
-            if config.term == "command":
-                known = known[[_AXES[axis] for axis in config.axes]]
-            elif config.term == "constant":
-                known = np.array(config.value)
-            elif config.term.startswith("joint"):
-                known = known[term.joints]
-            latest.append(self._scaled(term, known))
-        self._remember(latest)
-        return self._row()
-
-    def _scaled(self, term: Term, known: Array) -> Array:
-        if term.bounds is None:
-            return known * term.scale
-        if self._config.clipped == "before_scale":
-            return clamp(known, *term.bounds) * term.scale
-        return clamp(known * term.scale, *term.bounds)
-
-    def _values(self, estimate: Estimate, command: Array, stands: bool, masked: Indices) -> dict[str, Array]:
-        """Return every term as it is before its scale."""
+        if phase := self._phase:
+            if phase.is_ahead:
+                phase.advance(stands)
+            phase.show(stands, self._sines, self._cosines)
+            if not phase.is_ahead:
+                phase.advance(stands)
         qpos, qvel = estimate.qpos, estimate.qvel
-        to_base = rotation_matrix(qpos[3:BASE_COORDINATES]).T
-        angles = qpos[BASE_COORDINATES:][self._joints]
-        offset, speeds = angles - self._policy.default_pose, qvel[BASE_DOFS:][self._joints]
-        if len(masked):
-            offset[masked] = speeds[masked] = 0.0
-        sine, cosine = self._phase.seen(stands) if self._phase else (_NOTHING, _NOTHING)
-        return {
-            "base_ang_vel": qvel[3:BASE_DOFS],
-            "base_lin_vel": to_base @ qvel[:3],
-            "projected_gravity": to_base @ _DOWN,
-            "command": command,
-            "joint_pos": offset + self._policy.default_pose,
-            "joint_pos_rel": offset,
-            "joint_vel": speeds,
-            "last_action": self.last_action,
-            "phase_sin": sine,
-            "phase_cos": cosine,
-            "constant": _NOTHING,
-        }
+        if self._sees_velocity:
+            self._velocity[:] = rotation_matrix(qpos[3:BASE_COORDINATES]).T @ qvel[:3]
+        _look(qpos, qvel, command, self.last_action, masked, *self._seen)
+        row: Tensor = np.empty((1, len(self._past)), np.float32)
+        _tell(*self._told, self._begins and self._fills, row)
+        self._begins = False
+        return row
 
-    def _remember(self, latest: list[Array]) -> None:
-        if self._history is None:
-            first = self._config.fill == "first"
-            self._history = [
-                np.tile(value if first else np.zeros_like(value), (term.history, 1))
-                for term, value in zip(self._policy.terms, latest, strict=True)
-            ]
-        for past, value in zip(self._history, latest, strict=True):
-            past[:-1] = past[1:]
-            past[-1] = value
 
-    def _row(self) -> Tensor:
-        assert self._history is not None
-        if self._config.order == "by_time":
-            row = np.concatenate(self._history, axis=1).reshape(-1)
+def _parts(policy: Policy) -> tuple[Array, dict[str, slice]]:
+    """Return a row for all that a policy can be told of a moment, its constants in it, and where each part is."""
+    joints, phase = len(policy.joints), policy.config.phase
+    constants = [value for term in policy.terms if term.config.term == "constant" for value in term.config.value]
+    lengths = {
+        **dict.fromkeys(("base_ang_vel", "projected_gravity", "command"), 3),
+        **dict.fromkeys(("joint_pos", "joint_pos_rel", "joint_vel"), joints),
+        "last_action": len(policy.moves),  # so far :func:`_look` writes it, in this order
+        "base_lin_vel": 3,
+        **dict.fromkeys(PHASES, len(phase.start) if phase else 0),
+        "constant": len(constants),
+    }
+    ends = list(accumulate(lengths.values()))
+    parts = {name: slice(end - length, end) for (name, length), end in zip(lengths.items(), ends, strict=True)}
+    row: Array = np.zeros(ends[-1])
+    row[parts["constant"]] = constants
+    return row, parts
+
+
+def _places(policy: Policy, parts: Mapping[str, slice]) -> Indices:
+    """Return where in that row is what the terms tell of a moment, shape (numbers,)."""
+    places, constants = [], 0
+    for term in policy.terms:
+        name = term.config.term
+        part = np.arange(parts[name].start, parts[name].stop)
+        if name == "command":
+            part = part[[_AXES[axis] for axis in term.config.axes]]
+        elif name == "constant":
+            part, constants = part[constants:][: term.length], constants + term.length
+        elif name.startswith("joint"):
+            part = part[term.joints]
+        places.append(part)
+    return np.concatenate(places)
+
+
+def _rules(policy: Policy) -> tuple[Array, Array, Array]:
+    """Return the scale, the least and the largest of each of these numbers, shape (numbers,) each."""
+    rules = [(term.scale, *(term.bounds or (-math.inf, math.inf))) for term in policy.terms]
+    scale, low, high = np.concatenate([np.array(np.broadcast_arrays(*rule)) for rule in rules], axis=1)
+    return scale, low, high
+
+
+def _memory(policy: Policy) -> Indices:
+    """Return where the observation has each of these numbers: first, then how far from it later ones, and how often.
+
+    Returns:
+        Shape (numbers, 3).
+    """
+    rows: list[tuple[int, int, int]] = []
+    start, together = 0, sum(term.length for term in policy.terms)
+    for term in policy.terms:
+        by_time = policy.config.observation.order == "by_time"
+        rows += [(start + i, together if by_time else term.length, term.history) for i in range(term.length)]
+        start += term.length if by_time else term.length * term.history
+    return np.array(rows, dtype=np.intp)
+
+
+@compiled("void(f8[::1], f8)")
+def _turn(angles: Array, step: float) -> None:
+    """Turn angles by a step, to within [-pi, pi)."""
+    for i in range(len(angles)):
+        angles[i] = (angles[i] + step + math.pi) % math.tau - math.pi
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], i8[::1], i8[::1], f8[::1], f8[::1])")
+def _look(
+    qpos: Array, qvel: Array, command: Array, action: Array, masked: Indices, joints: Indices, pose: Array, now: Array
+) -> None:
+    """Write what is known of a moment, but for the velocity of the base and the phase.
+
+    Args:
+        qpos, qvel: of the robot.
+        command: vx, vy [m/s] and wz [rad/s].
+        action: the last one.
+        masked: joints, of the policy's, that are seen at rest in the default pose.
+        joints: the policy's as indices of the robot's, shape (n,).
+        pose: the default one of these, shape (n,) [rad].
+        now: is written.
+    """
+    now[:3] = qvel[3:BASE_DOFS]
+    w, x, y, z = qpos[3], qpos[4], qpos[5], qpos[6]
+    now[3] = 0.0 - 2 * (x * z - w * y)
+    now[4] = 0.0 - 2 * (y * z + w * x)
+    now[5] = 0.0 - (1 - 2 * (x * x + y * y))
+    now[6:9] = command
+    count = len(joints)
+    angles, offsets, speeds = now[9:][:count], now[9 + count :][:count], now[9 + 2 * count :][:count]
+    for i in range(count):
+        offsets[i], speeds[i] = qpos[BASE_COORDINATES + joints[i]] - pose[i], qvel[BASE_DOFS + joints[i]]
+    for i in masked:
+        offsets[i] = speeds[i] = 0.0
+    for i in range(count):
+        angles[i] = offsets[i] + pose[i]
+    now[9 + 3 * count :][: len(action)] = action
+
+
+@inlined
+def _within(value: float, low: float, high: float) -> float:
+    """Return a value within bounds; nan stays, so that it is found out."""
+    if value < low:
+        return low
+    return high if value > high else value
+
+
+@compiled("void(f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], b1, f8, i8[:, ::1], f8[::1], b1, f4[:, ::1])")
+def _tell(
+    now: Array,
+    places: Indices,
+    scale: Array,
+    low: Array,
+    high: Array,
+    first_clipped: bool,
+    most: float,
+    memory: Indices,
+    past: Array,
+    fills: bool,
+    told: Tensor,
+) -> None:
+    """Remember what is known of a moment, and write the observation.
+
+    Args:
+        now: what is known, of which these are seen:
+        places, scale, low, high: see :func:`_places` and :func:`_rules`.
+        first_clipped: whether a number is clipped before it is scaled.
+        most: to which the whole observation is clipped.
+        memory: see :func:`_memory`.
+        past: the observation so far, not clipped; it goes on by a moment, shape (width,).
+        fills: whether it is as if it had always been as now.
+        told: is written, shape (1, width).
+    """
+    for i in range(len(places)):
+        value = now[places[i]]
+        if first_clipped:
+            value = _within(value, low[i], high[i]) * scale[i]
         else:
-            row = np.concatenate([past.reshape(-1) for past in self._history])
-        if self._config.clip:
-            row = clamp(row, -self._config.clip, self._config.clip)
-        return row.astype(np.float32)[None]
+            value = _within(value * scale[i], low[i], high[i])
+        place, step = memory[i, 0], memory[i, 1]
+        for _ in range(memory[i, 2] - 1):
+            past[place] = value if fills else past[place + step]
+            place += step
+        past[place] = value
+    for i in range(len(past)):
+        told[0, i] = _within(past[i], -most, most)
