@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from humanoid_bt.control.body.policy.inference import Inference
 from humanoid_bt.control.body.policy.observation import Observation
 from humanoid_bt.core.clock import ESTIMATE_PERIOD
-from humanoid_bt.core.geometry import clamp
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.policy.network import Tensor, of_one, size
 from humanoid_bt.robot.policy.policy import Indices, Policy
@@ -40,6 +42,9 @@ class LearnedWalker:
         self.period = policy.period * ESTIMATE_PERIOD
         self._observation = Observation(policy, joints, self.period)
         self._offset = policy.offset
+        self._shape = of_one(policy.network.inputs[policy.input])
+        self._most = math.inf if policy.config.action.clip is None else policy.config.action.clip
+        self._observes_raw = policy.config.action.last_action == "raw"
         self._inference = self._new_inference()
         self.reset()
 
@@ -74,8 +79,7 @@ class LearnedWalker:
         if self._inference.busy:
             self._miss("the policy does not answer in time", _LATE)
             return
-        shape = of_one(policy.network.inputs[policy.input])
-        self._inference.ask({policy.input: row.reshape(shape), **self._states})
+        self._inference.ask({policy.input: row.reshape(self._shape), **self._states})
 
     def take(self) -> bool:
         """Take the answer, if there is one, and return whether there are new targets."""
@@ -87,16 +91,16 @@ class LearnedWalker:
             return self._miss(f"the policy gives no answer: {error}", _WRONG)
         if answers is None:
             return False
-        if not _finite(*answers):
+        answer, *states = answers
+        raw: Array = answer.reshape(self._offset.shape).astype(float)
+        clipped, targets = np.empty_like(raw), np.empty_like(raw)
+        finite = _understand(raw, self._most, self._policy.scale, self._offset, clipped, targets)
+        if not (finite and _finite(*states)):
             return self._miss("the policy's answer is not finite", _WRONG)
         self.fault, self._missed = "", 0
-        answer, *states = answers
         self._states = dict(zip(self._policy.states, states, strict=True))
-        action = self._policy.config.action
-        raw = answer.reshape(-1).astype(float)
-        clipped = clamp(raw, -action.clip, action.clip) if action.clip else raw
-        self._observation.last_action = raw if action.last_action == "raw" else clipped
-        self.targets = self._offset + self._policy.scale * clipped
+        self._observation.last_action = raw if self._observes_raw else clipped
+        self.targets = targets
         return True
 
     def _miss(self, fault: str, most: int) -> bool:
@@ -118,6 +122,24 @@ class LearnedWalker:
         scale = np.where(self._policy.scale[moved] == 0, 1.0, self._policy.scale[moved])
         action[moved] = (position - self._offset[moved]) / scale
         self._observation.last_action = action
+
+
+@compiled("b1(f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1])")
+def _understand(raw: Array, most: float, scale: Array, offset: Array, clipped: Array, targets: Array) -> bool:
+    """Write what an answer means; return whether it is finite.
+
+    Args:
+        raw: the answer, shape (m,).
+        most: to which it is clipped on either side.
+        scale, offset: to targets, of its joints, shape (m,) [rad].
+        clipped, targets: are written, shape (m,).
+    """
+    for i in range(len(raw)):
+        if not math.isfinite(raw[i]):
+            return False
+        clipped[i] = min(max(raw[i], -most), most)
+        targets[i] = offset[i] + scale[i] * clipped[i]
+    return True
 
 
 def _finite(*tensors: Tensor) -> bool:
