@@ -13,7 +13,7 @@ import numpy as np
 
 from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.hand_goals import HandGoals
-from humanoid_bt.control.body.planar import middle, rotate, wrap
+from humanoid_bt.control.body.planar import middle, wrap
 from humanoid_bt.control.body.policy.lending import VIEW, WAIST, Lending
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.control.body.policy.velocity import VelocityReference
@@ -40,6 +40,7 @@ from humanoid_bt.robot.policy.policy import Indices, Policy
 _SWAY_TIME = 0.3  # s over which the motion of the centre of mass is averaged: balancing sways and goes nowhere
 _ASIDE = 0.6  # rad beside the view up to which no trunk turns for what is to be looked at
 _NOTHING: Array = np.zeros(3)
+_NONE: Indices = np.zeros(0, dtype=np.intp)
 
 
 class LearnedBody:
@@ -83,6 +84,7 @@ class LearnedBody:
         self._home: Array = robot.home_qpos[BASE_COORDINATES:].copy()
         self._posture = PostureReference(self._home, dt)
         self._held = {side: ArmReference(names, config.whole_body, dt) for side in _sides(robot)}
+        self._lendable = frozenset(("gaze", *(f"{side}_hand" for side in self._held)))
         lent = self.lending.groups
         self._lent_wholly = {side for side in self._held if lent[f"{side}_hand"] == robot.arm_joints(side)}
         neck_range = 0.0
@@ -92,7 +94,9 @@ class LearnedBody:
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
         self._stiffness, self._damping = robot.stiffness.copy(), robot.damping.copy()
         self._stiffness[self._moved], self._damping[self._moved] = policy.stiffness, policy.damping
-        self._sway: Array = np.zeros(2)
+        self._sway = 0.0, 0.0  # m/s
+        self._followed: Array | None = None  # targets of the network, of which the next one is
+        self._own: Setpoint
         self._next = 0  # control periods until the network is asked
         self._stance: Array = np.zeros(3)
 
@@ -114,7 +118,8 @@ class LearnedBody:
         for arm in self._held.values():
             arm.update(None, joints)
         self._gaze.yaw = self._gaze.pitch = 0.0
-        self._sway = self.dynamics.com_velocity[:2].copy()
+        x, y, _ = self.dynamics.com_velocity.tolist()
+        self._sway = x, y
         self._next = 0
         self._stance = self._seen_stance()
 
@@ -143,7 +148,7 @@ class LearnedBody:
     @property
     def com_speed(self) -> float:
         """Horizontal speed of the centre of mass [m/s], without sway."""
-        return math.hypot(*self._sway.tolist())
+        return math.hypot(*self._sway)
 
     @property
     def com_error(self) -> Array:
@@ -182,31 +187,30 @@ class LearnedBody:
             hold: stand by the command zero, and keep hands and gaze where they are relative to the stance.
         """
         self._stance = self._seen_stance()
-        self._sway += (self.dynamics.com_velocity[:2] - self._sway) * (self._dt / _SWAY_TIME)
+        (x, y), (vx, vy, _), share = self._sway, self.dynamics.com_velocity.tolist(), self._dt / _SWAY_TIME
+        self._sway = x + (vx - x) * share, y + (vy - y) * share
         self.velocity.note(self.com_speed, self._dt)
         hold_hands = hold or not self.kinematics.solved
         self.arms.update(estimate.qpos, self._contact, targets)
         self.arms.homeward &= self._lent_wholly  # the walker brings others home by itself
-        goal = None if hold else _goal(targets)
-        walks = goal is not None and self.velocity.goes(goal, self._stance)
-        self._lend(estimate, targets, hold_hands, walks)
+        base = None if hold else targets.get("base")
+        self._lend(estimate, targets, hold_hands, base)
         self._plan(estimate, targets, hold_hands)
         if self.walker.take():
             self._tell_what_was_done()
         if self._next == 0:
-            self._ask(estimate, goal)
+            self._ask(estimate, base)
             self._next = self._policy.period
         self._next -= 1
         return self._setpoint()
 
-    def _ask(self, estimate: Estimate, goal: Array | None) -> None:
-        velocity, lend = self.velocity, self._policy.config.lend
-        sways = rotate(self.dynamics.com_velocity[:2], -self._stance.item(2)).item(1)
-        command = velocity.update(goal, self._stance, sways)
-        share = self.lending.share.copy()
-        share[self.lending.groups[WAIST]] = 0.0
-        share = share[self._known]
-        masked = np.flatnonzero(share > 0) if lend.observe == "default" else np.zeros(0, dtype=np.intp)
+    def _ask(self, estimate: Estimate, base: Target | None) -> None:
+        velocity, (vx, vy, _), yaw = self.velocity, self.dynamics.com_velocity.tolist(), -self._stance.item(2)
+        sways = math.sin(yaw) * vx + math.cos(yaw) * vy  # to the left
+        command = velocity.update(_place(base), self._stance, sways)
+        masked = _NONE
+        if len(self.lending.joints) and self._policy.config.lend.observe == "default":
+            masked = np.flatnonzero(self.lending.limbs[self._known] > 0)
         self.walker.ask(estimate, command, velocity.stands, masked)
 
     def _tell_what_was_done(self) -> None:
@@ -215,8 +219,10 @@ class LearnedBody:
             executed = np.flatnonzero(share[self._moved] > 0)
             self.walker.executed(executed, self._together(share)[self._moved[executed]])
 
-    def _lend(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool, walks: bool) -> None:
+    def _lend(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool, base: Target | None) -> None:
         lending, arms = self.lending, self.arms
+        if not (lending.busy or arms.sides or arms.homeward) and self._lendable.isdisjoint(targets):
+            return
         wanted = {
             f"{side}_hand": f"{side}_hand" in targets
             or side in arms.sides
@@ -227,6 +233,8 @@ class LearnedBody:
         wanted["gaze"] = "gaze" in targets or (hold and lending.lends("gaze"))
         reaches = any(isinstance(targets.get(f"{side}_hand"), HandTarget) for side in self._held)
         if reaches or (hold and lending.lends(WAIST)):
+            goal = _place(base)
+            walks = goal is not None and self.velocity.goes(goal, self._stance)
             wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
         else:
             wanted[VIEW] = wanted["gaze"] and not self._robot.config.neck
@@ -281,6 +289,8 @@ class LearnedBody:
     def _setpoint(self) -> Setpoint:
         """Return what the network and inverse kinematics make together."""
         lent, share = self.lending.joints, self.lending.share
+        if not len(lent) and self.arms.stiffness is None:
+            return self._networks_own()
         position = self._together(share)
         velocity: Array = np.zeros(len(position))
         torque: Array = np.zeros(len(position))
@@ -290,6 +300,15 @@ class LearnedBody:
             self.arms.carry(torque)
         stiffness, damping = self._gains()
         return Setpoint(position, velocity, torque, stiffness, damping)
+
+    def _networks_own(self) -> Setpoint:
+        """Return what the network makes alone: the same one until it has new targets."""
+        if self._followed is not self.walker.targets:
+            self._followed = self.walker.targets
+            position, rest = self._home.copy(), np.zeros(len(self._home))
+            position[self._moved] = self._followed
+            self._own = Setpoint(position, rest, rest, self._stiffness, self._damping)
+        return self._own
 
     def _together(self, share: Array) -> Array:
         """Return the angles that network and inverse kinematics make together, shape (nj,) [rad].
@@ -305,8 +324,7 @@ class LearnedBody:
         """Return stiffness and damping: the policy's, and of lent arms and neck those of ``robot.yaml``."""
         stiffness, damping = self._stiffness, self._damping
         if self.lending.busy:
-            share = self.lending.share.copy()
-            share[self.lending.groups[WAIST]] = 0.0  # the policy balances on it
+            share = self.lending.limbs
             stiffness = stiffness + share * (self._robot.stiffness - stiffness)
             damping = damping + share * (self._robot.damping - damping)
         if self.arms.stiffness is not None:
@@ -322,6 +340,9 @@ def _sides(robot: RobotModel) -> list[Side]:
     return [side for side in SIDES if side in robot.config.hands]
 
 
-def _goal(targets: Mapping[str, Target]) -> Array | None:
-    base = targets.get("base")
-    return np.array([*base.position, base.heading], dtype=float) if isinstance(base, BaseTarget) else None
+def _place(base: Target | None) -> Array | None:
+    """Return where a target of the base is, and the heading there, shape (3,); None if it is none."""
+    if not isinstance(base, BaseTarget):
+        return None
+    x, y = base.position.tolist()
+    return np.array((x, y, base.heading), dtype=float)

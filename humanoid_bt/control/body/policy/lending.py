@@ -39,6 +39,8 @@ class Lending:
     Attributes:
         groups: name -> joints of the robot, as indices.
         share: how far each joint of the robot is lent, shape (nj,), in [0, 1].
+        limbs: likewise of all but the waist, on which the walker goes on to balance.
+        busy: whether anything is lent that the walker could move itself.
         joints: those that are lent, at least a little.
         free: those of them that hands and gaze may move.
         kept: the others, which stay in the posture.
@@ -102,16 +104,14 @@ class Lending:
 
     def _take(self, share: Array) -> None:
         """Take how far the groups lend each joint, shape (nj,)."""
+        self.busy = any(self._shares.values())
         self.share: Array = np.maximum(share, self._always)
+        self.limbs = self.share.copy()
+        self.limbs[self.groups[WAIST]] = 0.0
         free = np.maximum(share, self._always_free)
         self.joints: Indices = np.flatnonzero(self.share)
         self.free: Indices = np.flatnonzero(free)
         self.kept: Indices = np.flatnonzero((self.share > 0) & (free == 0))
-
-    @property
-    def busy(self) -> bool:
-        """Whether anything is lent that the walker could move itself."""
-        return any(self._shares.values())
 
 
 def rolls(axes: Array) -> NDArray[np.bool_]:
