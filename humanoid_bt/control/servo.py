@@ -16,7 +16,7 @@ from humanoid_bt.robot.model import RobotModel
 LIMIT_TOLERANCE = 1e-3
 """How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""
 
-_IN_LIMITS, _CLAMPED, _NOT_FINITE, _NEGATIVE = range(4)  # what is found of a setpoint ...
+_IN_LIMITS, _OVERSHOT, _CLAMPED, _NOT_FINITE, _NEGATIVE = range(5)  # what is found of a setpoint ...
 _WHY = {_NOT_FINITE: "the setpoint is not finite", _NEGATIVE: "the setpoint has negative gains"}  # ... that is refused
 
 
@@ -31,7 +31,7 @@ class Servo:
         setpoint: position [rad], velocity [rad/s] and feedforward torque [Nm] of the command in force, shape (3, nj).
         limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
         clamped: whether any was.
-        commands: how many commands there were so far.
+        commands: how often there was a command so far, the same one again included.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -42,6 +42,7 @@ class Servo:
         self.clamped = False
         self.setpoint: Array = np.zeros((3, len(robot.lower)))
         self.commands = 0
+        self._in_force: Setpoint | None = None  # the last setpoint, if no limit has changed anything of it
         self._hold(self._zeros, self._robot.stiffness, self._robot.damping)
 
     def reset(self, position: Array) -> None:
@@ -57,7 +58,9 @@ class Servo:
         return self._command
 
     def follow(self, setpoint: Setpoint, time: float) -> str:
-        """Take a new setpoint, clamped into the limits; hold the last one if it is not finite, or has negative gains.
+        """Take a setpoint, clamped into the limits; hold the last one if it is not finite, or has negative gains.
+
+        What is in force as a whole and comes again leaves the drives their command.
 
         Args:
             setpoint: it.
@@ -66,6 +69,9 @@ class Servo:
         Returns:
             Why the setpoint was refused, "" when it is in force.
         """
+        if setpoint is self._in_force:
+            self.commands += 1
+            return ""
         robot = self._robot
         kept, limited = np.empty((3, len(robot.lower))), np.empty(len(robot.lower), dtype=bool)
         stiffness = robot.stiffness if setpoint.stiffness is None else setpoint.stiffness
@@ -81,6 +87,8 @@ class Servo:
         position, velocity, torque = kept
         self.position, self.setpoint = position, kept
         self._drive(JointCommand(position, velocity, stiffness, damping, torque))
+        if found == _IN_LIMITS:
+            self._in_force = setpoint
         return ""
 
     @property
@@ -108,6 +116,7 @@ class Servo:
 
     def _drive(self, command: JointCommand) -> None:
         self._command = command
+        self._in_force = None
         self.commands += 1
 
 
@@ -159,4 +168,6 @@ def _clamped(
         )
         if limited[joint]:
             found = _CLAMPED
+        elif found == _IN_LIMITS and kept[0, joint] != position[joint]:
+            found = _OVERSHOT
     return found

@@ -84,6 +84,29 @@ def test_setpoints_move_at_limited_speed(servo: Servo, robot: RobotModel, setpoi
     assert servo.command.position[joint] == pytest.approx(start - 2 * step)
 
 
+def test_what_is_in_force_and_comes_again_leaves_the_drives_their_command(servo: Servo, setpoint: Setpoint) -> None:
+    servo.follow(setpoint, PERIOD)
+    command, commands = servo.command, servo.commands
+    assert servo.follow(setpoint, PERIOD) == ""
+    assert servo.command is command
+    assert servo.commands == commands + 1
+    servo.damp()
+    servo.follow(setpoint, PERIOD)
+    assert servo.command.stiffness.any(), "the drives had let go meanwhile"
+
+
+def test_a_setpoint_that_was_not_reached_for_its_speed_goes_on_by_less_than_is_flagged(
+    servo: Servo, robot: RobotModel, setpoint: Setpoint
+) -> None:
+    joint = robot.joint("right_elbow")
+    ahead = setpoint.position[joint] - robot.speed_limit[joint] * PERIOD - 1e-4
+    wanted = replace(setpoint, position=changed(setpoint.position, joint, ahead))
+    servo.follow(wanted, PERIOD)
+    assert not servo.clamped
+    servo.follow(wanted, PERIOD)
+    assert servo.command.position[joint] == ahead
+
+
 @pytest.mark.parametrize(("field", "limit"), [("velocity", "speed_limit"), ("torque", "torque_limit")])
 def test_velocity_and_torque_are_limited(
     servo: Servo, robot: RobotModel, setpoint: Setpoint, field: str, limit: str

@@ -12,7 +12,7 @@ from humanoid_bt.core.messages import Array, Estimate, Gait, Side, Target
 
 @dataclass(frozen=True)
 class Setpoint:
-    """What the servo shall follow; each of shape (nj,).
+    """What the servo shall follow; each of shape (nj,), and nobody changes it.
 
     Attributes:
         position: [rad].
