@@ -86,21 +86,27 @@ class Lending:
             wanted: group -> whether somebody wants it.
             away: how far each planned joint is from the default pose, shape (nj,) [rad].
         """
-        if not (self.busy or any(wanted.values())):
+        shares = {group: self._shared(group, wanted.get(group, False), away) for group in self.groups}
+        if shares == self._shares:
             return []
-        fresh: list[int] = []
+        self._shares = shares
+        given = [joints for group, joints in self.groups.items() if wanted.get(group)]
+        fresh = [joint for joints in given for joint in joints if self.share[joint] < 1]
         share = np.zeros(len(self._always))
         for group, joints in self.groups.items():
-            before = self._shares[group]
-            if wanted.get(group) and joints:
-                fresh += [joint for joint in joints if self.share[joint] < 1]
-                self._shares[group] = 1.0
-            elif before and (group in (WAIST, VIEW) or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
-                time = _WAIST_BACK_TIME if group in (WAIST, VIEW) else _BACK_TIME
-                self._shares[group] = approach(before, 0.0, self._dt / time)
-            share[joints] = np.maximum(share[joints], self._shares[group])
+            share[joints] = np.maximum(share[joints], shares[group])
         self._take(share)
         return fresh
+
+    def _shared(self, group: str, wanted: bool, away: Array) -> float:
+        """Return how far a group is lent from now on."""
+        before, joints = self._shares[group], self.groups[group]
+        if wanted and joints:
+            return 1.0
+        at_once = group in (WAIST, VIEW)
+        if before and (at_once or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
+            return approach(before, 0.0, self._dt / (_WAIST_BACK_TIME if at_once else _BACK_TIME))
+        return before
 
     def _take(self, share: Array) -> None:
         """Take how far the groups lend each joint, shape (nj,)."""
