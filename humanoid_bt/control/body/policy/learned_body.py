@@ -22,6 +22,7 @@ from humanoid_bt.control.body.references import ArmReference, GazeReference, Pos
 from humanoid_bt.control.body.yielding import Felt, YieldingArms
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.clock import ESTIMATE_PERIOD
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import (
     SIDES,
     ArmTarget,
@@ -81,6 +82,7 @@ class LearnedBody:
         self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
         self._palms = HandGoals(robot, dynamics, self.kinematics, contact=contact, arms=self.arms, dt=dt)
         self._contact = contact
+        self._bias = dynamics.bias[BASE_DOFS:]
         self._home: Array = robot.home_qpos[BASE_COORDINATES:].copy()
         self._posture = PostureReference(self._home, dt)
         self._held = {side: ArmReference(names, config.whole_body, dt) for side in _sides(robot)}
@@ -97,6 +99,8 @@ class LearnedBody:
         self._sway = 0.0, 0.0  # m/s
         self._followed: Array | None = None  # targets of the network, of which the next one is
         self._own: Setpoint
+        self._gains_with: Array | None = None  # shares of limbs, of which the next ones are
+        self._blended = self._stiffness, self._damping
         self._next = 0  # control periods until the network is asked
         self._stance: Array = np.zeros(3)
 
@@ -255,7 +259,8 @@ class LearnedBody:
             self._posture.update()
             self._hold_arms(targets)
         for arm in self._held.values():
-            costs[arm.joints] = weights.arm
+            if arm.joints:
+                costs[arm.joints] = weights.arm
         self.arms.keep(self._posture.joints, self._home, hold)
         view = self._view(targets, hold, bool(hands))
         posture = self._posture.joints
@@ -288,25 +293,20 @@ class LearnedBody:
 
     def _setpoint(self) -> Setpoint:
         """Return what the network and inverse kinematics make together."""
-        lent, share = self.lending.joints, self.lending.share
-        if not len(lent) and self.arms.stiffness is None:
+        lent, share = len(self.lending.joints), self.lending.share
+        if not lent and self.arms.stiffness is None:
             return self._networks_own()
-        position = self._together(share)
-        velocity: Array = np.zeros(len(position))
-        torque: Array = np.zeros(len(position))
-        if len(lent):
-            velocity[lent] = share[lent] * self.kinematics.velocity[lent]
-            torque[lent] = share[lent] * self.dynamics.bias[BASE_DOFS:][lent]
+        velocity, torque = np.empty((2, len(share)))
+        _lent_share(velocity, torque, share, self.kinematics.velocity, self._bias)
+        if lent:
             self.arms.carry(torque)
-        stiffness, damping = self._gains()
-        return Setpoint(position, velocity, torque, stiffness, damping)
+        return Setpoint(self._together(share), velocity, torque, *self._gains())
 
     def _networks_own(self) -> Setpoint:
         """Return what the network makes alone: the same one until it has new targets."""
         if self._followed is not self.walker.targets:
             self._followed = self.walker.targets
-            position, rest = self._home.copy(), np.zeros(len(self._home))
-            position[self._moved] = self._followed
+            position, rest = self._together(self.lending.share), np.zeros(len(self._home))
             self._own = Setpoint(position, rest, rest, self._stiffness, self._damping)
         return self._own
 
@@ -316,17 +316,17 @@ class LearnedBody:
         Args:
             share: how far each joint is lent, shape (nj,).
         """
-        position: Array = self._home.copy()
-        position[self._moved] = self.walker.targets
-        return position + share * (self.kinematics.joints - position)
+        position: Array = np.empty(len(share))
+        _join(position, self.walker.targets, self._moved, self._home, share, self.kinematics.joints)
+        return position
 
     def _gains(self) -> tuple[Array, Array]:
         """Return stiffness and damping: the policy's, and of lent arms and neck those of ``robot.yaml``."""
-        stiffness, damping = self._stiffness, self._damping
-        if self.lending.busy:
-            share = self.lending.limbs
-            stiffness = stiffness + share * (self._robot.stiffness - stiffness)
-            damping = damping + share * (self._robot.damping - damping)
+        if self._gains_with is not self.lending.limbs:  # which is another one as soon as more or less is lent
+            self._gains_with = share = self.lending.limbs
+            stiffness = self._stiffness + share * (self._robot.stiffness - self._stiffness)
+            self._blended = stiffness, self._damping + share * (self._robot.damping - self._damping)
+        stiffness, damping = self._blended
         if self.arms.stiffness is not None:
             stiffness = stiffness * self.arms.stiffness
         return stiffness, damping
@@ -346,3 +346,30 @@ def _place(base: Target | None) -> Array | None:
         return None
     x, y = base.position.tolist()
     return np.array((x, y, base.heading), dtype=float)
+
+
+@compiled("void(f8[::1], f8[::1], i8[::1], f8[::1], f8[::1], f8[::1])")
+def _join(position: Array, targets: Array, moved: Indices, home: Array, share: Array, planned: Array) -> None:
+    """Write the angles that network and inverse kinematics make together.
+
+    Args:
+        position: is written, shape (nj,) [rad].
+        targets, moved: of the network, shape (m,) [rad], and of which joints.
+        home: where the others are, shape (nj,) [rad].
+        share: how far each joint is lent, shape (nj,).
+        planned: where it is then, shape (nj,) [rad].
+    """
+    position[:] = home
+    for i in range(len(moved)):
+        position[moved[i]] = targets[i]
+    for joint in range(len(position)):
+        position[joint] += share[joint] * (planned[joint] - position[joint])
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+def _lent_share(velocity: Array, torque: Array, share: Array, speed: Array, bias: Array) -> None:
+    """Write the share of speeds and torques, of joints that are lent, and zeros for the others, each of shape (nj,)."""
+    for joint in range(len(share)):
+        lent = share[joint] > 0
+        velocity[joint] = share[joint] * speed[joint] if lent else 0.0
+        torque[joint] = share[joint] * bias[joint] if lent else 0.0
