@@ -14,6 +14,7 @@ from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.control.body.policy.lending import rolls
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp, view_along
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, carriers, palm_site
@@ -174,24 +175,20 @@ class UpperBody:
             tasks.append(_Columns(self._gaze, dofs))
         way = self._way(free, dofs, tasks) if len(free) else np.zeros(0)
         self.solved = way is not None
-        moved = np.zeros(len(self.joints))
-        moved[kept] = clamp(posture[kept] - self.joints[kept], -self._farthest[kept], self._farthest[kept])
-        if way is not None:
-            moved[free] = way
-        self.velocity = moved / self._dt
-        self.joints += moved
+        if way is None:
+            free, way = free[:0], np.zeros(0)
+        self.velocity = np.zeros(len(self.joints))
+        _go(self.joints, self.velocity, kept, free, way, posture, self._farthest, self._dt)
 
     def _way(self, free: Indices, dofs: Indices, tasks: Iterable[_Columns | _PostureTask]) -> Array | None:
         """Return how far the free joints go, shape (len(free),); None if there is no solution."""
         program = self._programs.get(len(free))
         if program is None:
             program = self._programs[len(free)] = QuadraticProgram(len(free), self._damping)
-        farthest, joints = self._farthest[free], self.joints[free]
         limit = _OwnLinkColumns(self._own_links, dofs)
         program.aim(self._configuration, list(tasks))
         program.limit(self._configuration, [limit], self._dt)
-        np.maximum(np.minimum(self._lower[free] - joints, 0.0), -farthest, out=program.low)
-        np.minimum(np.maximum(self._upper[free] - joints, 0.0), farthest, out=program.high)
+        _bound(program.low, program.high, free, self.joints, self._lower, self._upper, self._farthest)
         if self.still:
             still = np.isin(free, self.still)
             program.low[still] = program.high[still] = 0.0
@@ -274,3 +271,42 @@ class _GazeTask:
     def compute_qp_residual(self, _configuration: mink.Configuration) -> tuple[Array, Array, float]:
         """Return the weighted Jacobian, the weighted error, and no damping."""
         return self._cost * self._jacobian, self._cost * self._error, 0.0
+
+
+@compiled("void(f8[::1], f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+def _bound(low: Array, high: Array, free: Indices, joints: Array, lower: Array, upper: Array, farthest: Array) -> None:
+    """Write how far some joints may go in a control period: one beyond its limits need not come back at once.
+
+    Args:
+        low, high: are written, shape (len(free),) [rad].
+        free: those joints, as indices.
+        joints, lower, upper: where all of them are, and their limits, shape (nj,) [rad].
+        farthest: how far each goes at its speed, shape (nj,) [rad].
+    """
+    for i in range(len(free)):
+        joint = free[i]
+        low[i] = max(min(lower[joint] - joints[joint], 0.0), -farthest[joint])
+        high[i] = min(max(upper[joint] - joints[joint], 0.0), farthest[joint])
+
+
+@compiled("void(f8[::1], f8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8[::1], f8)")
+def _go(
+    joints: Array, velocity: Array, kept: Indices, free: Indices, way: Array, posture: Array, farthest: Array, dt: float
+) -> None:
+    """Move joints by a control period.
+
+    Args:
+        joints, velocity: of all of them, shape (nj,) [rad], [rad/s]; are changed.
+        kept: those that go to the posture.
+        free, way: others, and how far each of them goes, shape (len(free),) [rad].
+        posture: of all joints, shape (nj,) [rad].
+        farthest: how far each goes at its speed, likewise.
+        dt: [s].
+    """
+    for joint in kept:
+        step = min(max(posture[joint] - joints[joint], -farthest[joint]), farthest[joint])
+        velocity[joint] = step / dt
+        joints[joint] += step
+    for i in range(len(free)):
+        velocity[free[i]] = way[i] / dt
+        joints[free[i]] += way[i]
