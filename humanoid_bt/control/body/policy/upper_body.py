@@ -60,7 +60,7 @@ class UpperBody:
         }
         self._turned_hands = {side: PalmTask(robot, model, side) for side in self._sites}
         gaze = weights.gaze if robot.config.neck else weights.torso_orientation
-        self._posture, self._gaze = _PostureTask(), _GazeTask(model, gaze)
+        self._posture, self._gaze = _PostureTask(), _GazeTask(model, self._data, gaze)
         trunk = set(carriers(model, model.body(robot.config.torso).id))
         self._arms = {
             side: [body for body in carriers(model, model.body(robot.config.hands[side].body).id) if body not in trunk]
@@ -117,7 +117,7 @@ class UpperBody:
     @property
     def view(self) -> tuple[float, float]:
         """Yaw and pitch of the planned view, world frame [rad]."""
-        x, y, z = self._data.site_xmat[self._gaze.site][[0, 3, 6]].tolist()
+        x, y, z = self._gaze.along.tolist()
         return math.atan2(y, x), -math.atan2(z, math.hypot(x, y))
 
     def hand_error(self, side: Side) -> float | None:
@@ -171,7 +171,7 @@ class UpperBody:
                 self._hands[side].set_target(mink.SE3.from_translation(position))
                 tasks.append(_Columns(self._hands[side], dofs))
         if view is not None:
-            self._gaze.aim(self._data, *view)
+            self._gaze.aim(*view)
             tasks.append(_Columns(self._gaze, dofs))
         way = self._way(free, dofs, tasks) if len(free) else np.zeros(0)
         self.solved = way is not None
@@ -251,21 +251,31 @@ class _PostureTask:
 
 
 class _GazeTask:
-    """Where the view goes; it need not be level, so that the trunk may lean aside for a hand."""
+    """Where the view goes; it need not be level, so that the trunk may lean aside for a hand.
 
-    def __init__(self, model: mujoco.MjModel, cost: float) -> None:
-        self._model, self._cost, self.site = model, cost, model.site(GAZE_SITE).id
+    Args:
+        model, data: of the planned motion.
+        cost: of an error [1/rad].
+
+    Attributes:
+        along: where the view goes now, unit vector, shape (3,).
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, cost: float) -> None:
+        self._model, self._data, self._cost, self._site = model, data, cost, model.site(GAZE_SITE).id
+        self._frame = data.site_xmat[self._site]
+        self.along: Array = self._frame[::3]
         self._jacobian, self._error = np.zeros((3, model.nv)), np.zeros(3)
         self._now, self._turn = np.zeros(4), np.zeros(3)
 
-    def aim(self, data: mujoco.MjData, yaw: float, pitch: float) -> None:
+    def aim(self, yaw: float, pitch: float) -> None:
         """Take where it is to go, world frame [rad]."""
-        mujoco.mj_jacSite(self._model, data, None, self._jacobian, self.site)
-        mujoco.mju_mat2Quat(self._now, data.site_xmat[self.site])
+        along = self.along
+        mujoco.mj_jacSite(self._model, self._data, None, self._jacobian, self._site)
+        mujoco.mju_mat2Quat(self._now, self._frame)
         mujoco.mju_subQuat(self._turn, view_along(yaw, pitch), self._now)
         mujoco.mju_rotVecQuat(self._error, self._turn, self._now)
-        along = data.site_xmat[self.site].reshape(3, 3)[:, 0]
-        self._jacobian -= np.outer(along, along @ self._jacobian)
+        self._jacobian -= along[:, None] * (along @ self._jacobian)
         self._error -= along * (along @ self._error)
 
     def compute_qp_residual(self, _configuration: mink.Configuration) -> tuple[Array, Array, float]:
