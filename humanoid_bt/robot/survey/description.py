@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -43,6 +44,7 @@ _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can s
 _LEAST_TURN = 0.05  # rad that a step turns, also on hips that turn one way only
 _ANKLE = 0.15  # m at most from a sole up to the frame of its foot: that of a leg of one link is at the hip
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
+_WIDE = 100  # characters of a line of a comment
 _STRIDES = {
     "toe_off": "in long steps feet leave by the toe",
     "heel_strike": "and land by the heel",
@@ -170,17 +172,12 @@ class _Writer:
                 yield f"    # {_ROLL}: no joint of this leg tilts the foot sideways; it balances sideways by its steps"
             foot = self._feet[side]
             centre = np.zeros(3) if foot is None else foot.centre
-            if foot is None:
-                self._missing.append(
-                    f"collision geoms of the {side} foot {self._body(leg.body)}{self._untouchable(leg)}"
+            if lacks := self._no_sole(side, leg):
+                self._missing.append(lacks)
+                yield from textwrap.wrap(
+                    f"missing: {lacks}", _WIDE, initial_indent="    # ", subsequent_indent="    # "
                 )
-            elif foot.half.min() < _POINT:
-                what = "a point" if foot.half.max() < _POINT else "a line"
-                self._missing.append(
-                    f"a flat {side} foot: as the model's zero pose has it, {self._body(leg.body)} touches a floor at"
-                    f" {what}, on which nothing balances; legs must be straight there, and feet level"
-                )
-            else:
+            elif foot is not None:
                 halves.append(foot.half)
             place = f"position: {_vector(centre)}{_turned(self._soles[side])}"
             yield f"    sole: {{body: {_quoted(self._body(leg.body))}, {place}}}"
@@ -190,10 +187,24 @@ class _Writer:
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
         self._width, self._bears = 2 * width, width - margin
         sole = f"half_length: {length:.3f}, half_width: {width:.3f}"
+        note = "" if halves else f"    # {self._guess('the size of the soles')}"
         if self._rolls:
-            yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
+            yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}{note}"
         else:
-            yield f"sole: {{{sole}, margin: {margin:.3f}}}"
+            yield f"sole: {{{sole}, margin: {margin:.3f}}}{note}"
+
+    def _no_sole(self, side: Side, leg: Limb) -> str:
+        """Return what a foot lacks of a sole, "" if it has one."""
+        foot, body = self._feet[side], self._body(leg.body)
+        if foot is None:
+            return f"collision geoms of the {side} foot {body}{self._untouchable(leg)}"
+        if foot.half.min() >= _POINT:
+            return ""
+        what = "a point" if foot.half.max() < _POINT else "a line"
+        return (
+            f"a flat {side} foot: as the model's zero pose has it, {body} touches a floor at {what}, on which nothing"
+            " balances; legs must be straight there, and feet level"
+        )
 
     def _untouchable(self, leg: Limb) -> str:
         """Return why a foot that has geoms can touch nothing."""

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
-from humanoid_bt.core.messages import SIDES
+from humanoid_bt.core.messages import SIDES, Side
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig, load_robot_config
@@ -608,6 +608,23 @@ def test_a_foot_that_only_pairs_let_touch_says_where_to_look(spec: mujoco.MjSpec
             geom.contype = geom.conaffinity = 0
     missing = describe(spec.compile(), "found", "model.xml").missing
     assert all("if a scene file lets them touch a floor, name that file" in line for line in missing)
+
+
+@pytest.mark.parametrize(("feet", "guessed"), [(("left",), False), (("left", "right"), True)])
+def test_soles_that_were_not_found_are_asked_for_in_the_file(
+    spec: mujoco.MjSpec, feet: tuple[Side, ...], guessed: bool
+) -> None:
+    for side in feet:
+        for geom in spec.body(f"{side}_foot").geoms:
+            geom.contype = geom.conaffinity = 0
+    description = describe(spec.compile(), "found", "model.xml")
+    comments = " ".join(line.strip() for line in description.text.splitlines()).replace(" # ", " ")
+    for missing in description.missing:
+        assert f"missing: {missing}" in comments
+    assert len(description.missing) == len(feet)
+    assert [line for line in description.guessed if "sole" in line] == ["the size of the soles"] * guessed
+    (shape,) = (line for line in description.text.splitlines() if line.startswith("sole:"))
+    assert ("guessed" in shape) == guessed
 
 
 def test_a_robot_that_lies_in_its_frame_is_refused(spec: mujoco.MjSpec) -> None:
