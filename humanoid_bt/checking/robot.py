@@ -65,7 +65,7 @@ def _learned_outside(robot: RobotModel) -> Iterator[Problem]:
         if policy and not low <= angle <= high:
             message = f"the default angle of {name!r}, {angle:g} rad, is outside its soft limits"
             hint = f"valid: {low:.2f} to {high:.2f} rad; is it in rad, and in the order of joints?"
-            yield Problem(message, policy.pose_place, hint, code="home-outside")
+            yield Problem(message, policy.angle_place(name), hint, code="home-outside")
 
 
 def _blamed(robot: RobotModel, found: list[Problem]) -> list[Problem]:

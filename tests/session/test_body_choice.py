@@ -103,22 +103,37 @@ def test_a_robot_is_loaded_again_once_a_file_that_its_model_includes_changes(tmp
 
 
 @pytest.mark.parametrize(
-    ("angle", "told"),
+    ("angle", "where", "told"),
     [
-        ("-40", "error: the default angle of 'left_hip_pitch', -40 rad, is outside its soft limits [home-outside]"),
-        ("0.3", "warning: the soles do not mirror each other in the home posture: 38 cm off [asymmetric]"),
+        (
+            "-40",
+            "4:81",
+            "error: the default angle of 'left_hip_pitch', -40 rad, is outside its soft limits [home-outside]",
+        ),
+        ("0.3", "4:15", "warning: the soles do not mirror each other in the home posture: 38 cm off [asymmetric]"),
     ],
 )
 def test_a_wrong_default_pose_is_told_where_it_is_written(
-    robot: Path, capsys: pytest.CaptureFixture[str], angle: str, told: str
+    robot: Path, capsys: pytest.CaptureFixture[str], angle: str, where: str, told: str
 ) -> None:
     policy = robot.parent / "stand.policy.yaml"
     policy.write_text(re.sub(r"left_hip_pitch: [-\d.]+", f"left_hip_pitch: {angle}", policy.read_text()))
     assert main(["check", str(robot)]) == 2
     out = capsys.readouterr().out
-    assert f"stand.policy.yaml:4:15: {told}" in out
+    assert f"stand.policy.yaml:{where}: {told}" in out
     assert "is it in rad, and in the order of joints?" in out
     assert "robot.yaml:" not in out
+
+
+def test_a_wrong_angle_of_a_listed_default_pose_is_told_where_it_is_written(
+    robot: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    policy = robot.parent / "stand.policy.yaml"
+    angles = re.findall(r"[-\d.]+(?=[,}])", policy.read_text().splitlines()[3])
+    listed = ", ".join(["99", *angles[1:]])
+    policy.write_text(re.sub("default_pose: {.*}", f"default_pose: [{listed}]", policy.read_text()))
+    assert main(["check", str(robot)]) == 2
+    assert "stand.policy.yaml:4:16: error: the default angle of" in capsys.readouterr().out
 
 
 def test_a_walker_that_cannot_step_back_is_told_so(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:

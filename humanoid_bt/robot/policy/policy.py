@@ -150,6 +150,15 @@ class Policy:
         """Where the default pose is written."""
         return self.place("model" if self.config.default_pose is None else "default_pose")
 
+    def angle_place(self, joint: str) -> Place | None:
+        """Return where the angle of a joint in the default pose is written."""
+        pose = self.config.default_pose
+        if pose is not None and isinstance(pose.value, list):
+            return self.place("default_pose", self.joints.index(joint))
+        patterns = pose.value if pose is not None and isinstance(pose.value, dict) else ()
+        pattern = next((one for one in patterns if matches(joint, one)), None)
+        return self.pose_place if pattern is None else self.place("default_pose", pattern)
+
     def place(self, *keys: str | int) -> Place | None:
         """Return where in its description something stands, None if it has none."""
         return self.config.place(*keys)
