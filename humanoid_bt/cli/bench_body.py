@@ -136,7 +136,7 @@ def _tried(
 
 def _say(console: SafeConsole, line: Text) -> None:
     """Print a line that is seen at once, also by who reads a file or a pipe."""
-    console.print(line)
+    console.print(line, soft_wrap=True)
     console.file.flush()
 
 

@@ -112,6 +112,16 @@ def test_a_robot_with_two_bodies_has_them_side_by_side(
     assert lines[3].index("95 %") + len("95 %") == lines[2].index("promised") + len("promised")
 
 
+def test_a_row_of_three_bodies_is_one_line_also_where_that_is_wider_than_the_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr(bench_body, "bodies_of", lambda config: ("policy", "dcm", "own"))
+    main(["bench", "--body", "--only", "goals", "--trials", "4"])
+    rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert rows[2:4] == ["goal feet goal feet goal feet promised", "goals 4/4 4/4 ok 3/4 3/4 missed 4/4 4/4 ok 95 %"]
+
+
 def test_the_exit_code_says_whether_every_promise_is_kept(asked: dict[str, Any]) -> None:
     assert main(["bench", "--body", "--only", "goals", "push-*", "--trials", "3", "--seed", "40", "-j", "2"]) == 0
     assert (asked["seeds"], asked["workers"], asked["recordings"]) == ([40, 41, 42], 2, None)
