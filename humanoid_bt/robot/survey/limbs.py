@@ -158,7 +158,8 @@ class Surveyor:
             names = " and ".join(repr(self.model.body(foot).name) for foot in found.values())
             base = self.model.body(self.base).name
             message = f"the lowest ends on either side of {base!r}, {names}, are no pair of feet below it"
-            raise NoHumanoidError(f"{message}: in its frame x must point ahead, y to the left, z up")
+            frame = "in its frame x must point ahead, y to the left, z up"
+            raise NoHumanoidError(f"{message}: {frame}; and the robot must stand upright, on two legs")
         return found
 
     def _bare_root(self) -> str:

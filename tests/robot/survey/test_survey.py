@@ -659,6 +659,17 @@ def test_a_robot_whose_arms_are_lowest_in_its_frame_is_refused(
         describe(spec.compile(), "found", "model.xml")
 
 
+def test_four_legs_are_refused() -> None:
+    legs = "".join(
+        f'<body pos="{x} {y} 0"><joint axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -0.3"/></body>'
+        for x, y in itertools.product((0.25, -0.25), (0.1, -0.1))
+    )
+    body = f'<freejoint/><geom type="box" size="0.3 0.1 0.05"/>{legs}'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody><body>{body}</body></worldbody></mujoco>")
+    with pytest.raises(NoHumanoidError, match="on two legs"):
+        describe(model, "found", "model.xml")
+
+
 def test_a_base_that_faces_backward_is_refused(spec: mujoco.MjSpec) -> None:
     turn(spec, "pelvis", [0.0, 0.0, 1.0], np.pi)
     with pytest.raises(NoHumanoidError) as refused:
