@@ -53,7 +53,7 @@ def tried(robot: RobotModel) -> list[Problem]:
 
 
 def _policy_place(robot: RobotModel) -> Place | None:
-    return robot.policy.place() if robot.policy else None
+    return robot.policy.place("model") if robot.policy else None
 
 
 def _unused_body(trial: Trial) -> Iterator[Problem]:

@@ -69,7 +69,7 @@ def test_a_walker_whose_answers_are_not_finite_is_refused_for_that(
     monkeypatch.setattr(robot_motion, "_WALK", 1)
     assert main(["check", str(robot)]) == 2
     told = capsys.readouterr().out
-    assert "stand.policy.yaml:1:1: error: its body failed after 0.0 s: the policy's answer is not finite" in told
+    assert "stand.policy.yaml:2:8: error: its body failed after 0.0 s: the policy's answer is not finite" in told
     assert told.endswith("1 error in 1 file\n")
 
 

@@ -36,13 +36,14 @@ def command_range(config: PolicyConfig, axis: Axis, metadata: Metadata) -> tuple
         if known is None:
             message = f"there is no 'command.{axis}', and the model's metadata has no {_RANGES}"
             raise UserError(message, config.place("command"), hint, code="policy")
+        place = config.place("model")
         if not isinstance(known, dict):
             hint = f"with {', '.join(RANGE_KEYS.values())}; or write vx, vy and wz here"
             message = f"{_RANGES} of the model's metadata is no mapping, but {readable(known)}"
-            raise UserError(message, config.place("command"), hint, code="policy")
+            raise UserError(message, place, hint, code="policy")
         if known.get(key) is None:
             message = f"{_RANGES} of the model's metadata has no {key!r}: it is {readable(known)}"
-            raise UserError(message, config.place("command"), hint, code="policy")
+            raise UserError(message, place, hint, code="policy")
         found, what = known[key], f"{axis} ({key} in {_RANGES} of the model's metadata)"
     numbers = list(found) if isinstance(found, (list, tuple)) else []
     if len(numbers) != _PAIR or not all(_is_finite(number) for number in numbers):

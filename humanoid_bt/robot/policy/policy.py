@@ -104,7 +104,8 @@ class Policy:
         self.damping = self._numbers(config.damping, "damping", moving, PerJoint)
         for key, gains in (("stiffness", self.stiffness), ("damping", self.damping)):
             if (gains < 0).any():
-                self._wrong(f"the {key} of {moving[int(np.argmin(gains))]!r} is negative", key)
+                written = "model" if getattr(config, key) is None else key
+                self._wrong(f"the {key} of {moving[int(np.argmin(gains))]!r} is negative", written)
         self.scale = self._numbers(action.scale, "scale", moving, PerJoint, within=("action",))
         self.offset: Array = self.default_pose[self.moves]
         if action.offset is not None:
@@ -196,7 +197,7 @@ class Policy:
             keys = ", ".join(sorted(self.network.metadata))
             hint = f"it has {keys}; or write it here" if keys else f"it has no keys: write {key!r} here"
             raise UserError(message, place, hint, code="missing-key")
-        item = Item({}, place)
+        item = Item({}, self.place("model") or place)
         # every kind of value can be read from metadata, which their common type does not say
         return kind(FromModel(found, item), from_model(found, item))  # type: ignore[call-arg]
 

@@ -229,6 +229,7 @@ RANGES = {"lin_vel_x": [-1, 1], "lin_vel_y": [-1, 1], "ang_vel_yaw": [-1, 1]}
         ({"kp": {"*": 1, "a_hip": 2}}, "match all that it matches in 'kp' of the model's metadata"),
         ({"kp": {"*": float("nan")}}, "a number is not finite in 'kp' of the model's metadata"),
         ({"kp": [[1, 2, 3]]}, "must be 3 numbers, one for each joint, not a list of lists of 3 in 'kp'"),
+        ({"kp": [1, -2, 3]}, "the stiffness of 'b_hip' is negative"),
         ({"kp": [1, 2]}, "must be 3 numbers, one for each joint, not 2 in 'kp' of the model's metadata"),
         ({"command_ranges": [[-1, 1]] * 3}, "command_ranges of the model's metadata is no mapping, but [[-1, 1]"),
         (
@@ -246,7 +247,7 @@ def test_what_metadata_says_wrong_is_told_with_its_key(tmp_path: Path, known: di
     metadata = {**METADATA, "command_ranges": RANGES, **known}
     write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), metadata)
     messages = refused(path)
-    assert any(told in message for message in messages), messages
+    assert any("walk.policy.yaml:2:8: " in message and told in message for message in messages), "at the model's line"
     assert len(messages) == len(set(messages))
 
 
