@@ -40,9 +40,11 @@ def read_model(path: Path) -> mujoco.MjSpec:
     mujoco_warnings.hear()
     try:
         spec = mujoco.MjSpec.from_file(str(path))
+        list(spec.worldbody.geoms)  # tells of joints of a URDF that have one name, which reading it does not
     except ValueError as error:
+        kind = "URDF" if path.suffix.lower() == ".urdf" else "MJCF"
         raise UserError(
-            f"not a valid MJCF model: {' '.join(str(error).split())}", Place(relative(path)), code="model"
+            f"not a valid {kind} model: {' '.join(str(error).split())}", Place(relative(path)), code="model"
         ) from error
     _find_meshes(spec, path)
     spec.compiler.fusestatic = False  # of a URDF, whose root would become part of the world

@@ -529,6 +529,18 @@ def test_links_that_overlap_do_not_touch(tmp_path: Path, edit: Edit) -> None:
     assert str(error.value.problems[0].place) == place_of(tmp_path, "robot.yaml", "torse]")
 
 
+def test_a_urdf_with_two_joints_of_one_name_is_refused(tmp_path: Path) -> None:
+    shape = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="{name}">{shape}</link>' for name in ("trunk", "left_leg", "right_leg"))
+    joints = "".join(
+        f'<joint name="hip" type="continuous"><parent link="trunk"/><child link="{side}_leg"/></joint>'
+        for side in ("left", "right")
+    )
+    (tmp_path / "one.urdf").write_text(f'<robot name="one">{links}{joints}</robot>')
+    with pytest.raises(UserError, match=r"one\.urdf: error: not a valid URDF model: .*repeated name 'hip' in joint"):
+        read_model(tmp_path / "one.urdf")
+
+
 def test_a_urdf_keeps_its_root_and_is_free(tmp_path: Path) -> None:
     inertial = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     (tmp_path / "robot.urdf").write_text(
