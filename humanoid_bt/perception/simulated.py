@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import Array, Percept, State, Truth
 from humanoid_bt.core.units import readable
@@ -16,6 +18,7 @@ _NEAR_CONFIDENCE = 0.95  # of a thing right before the eyes
 _FAR_CONFIDENCE = 0.60  # of a thing at the end of the range
 _FALL_EXPONENT = 3  # confidence hardly falls in the near half of the range
 _LOST_CONFIDENCE = 0.08  # of a thing that is remembered, not seen
+_ALONG = np.geomspace(0.05, 1.0, 8)[:, None]  # of the range, along the line of view, where walls are looked for
 _PLAINLY, _DEVIATIONS = 0.1, 4.0  # m, standard deviations: so far inside of the view a place is plainly empty
 _CONFIDENCE_NOISE = 0.01  # standard deviation
 _CONFIDENCE_NOISE_LIMIT = 0.02  # bounded, so that a threshold's distance from the confidence means something
@@ -28,7 +31,7 @@ class SimulatedPerception(Perception):
     published where it was last seen, with low confidence; once that place was plainly in view, and the thing not, with
     none. Nothing but where it is and the scene's script is read, so perception can run in a process of its own.
 
-    Of a solid thing it tells the size too, and sees it when any corner of it is in sight.
+    Of a solid thing it tells the size too, and sees it when any part of it is in sight.
 
     Args:
         scene: where things are, and what is published of them.
@@ -70,7 +73,7 @@ class SimulatedPerception(Perception):
             distance = math.sqrt(offset @ offset)
             hidden = self._scene.hidden(config.object, robot.time)
             why_not = "hidden" if hidden else _out_of_sight(offset, distance, robot, config)
-            if why_not and box and not hidden and _corner_in_sight(box, offset, robot, config):
+            if why_not and box and not hidden and _part_in_sight(box, offset, robot, config):
                 why_not = ""
             if not why_not:
                 self._unseen.pop(name, None)
@@ -101,10 +104,13 @@ def _at_first(config: PerceptConfig) -> str:
     return "every observation is dropped" if config.drop_out == 1 else "perception has not looked yet"
 
 
-def _corner_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfig) -> bool:
-    """Return whether any corner of a box whose middle is at an offset from the eyes (world frame [m]) is seen."""
-    corners = [offset + corner for corner in box.corners]
-    return any(not _out_of_sight(corner, math.sqrt(corner @ corner), robot, config) for corner in corners)
+def _part_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfig) -> bool:
+    """Return whether any part of a box whose middle is at an offset from the eyes (world frame [m]) is seen.
+
+    That is a corner, or, of a wall whose corners are all out of sight, what is nearest to the line of view.
+    """
+    parts = [*(offset + box.corners), *(offset + box.nearest(config.range * _ALONG * robot.gaze_direction - offset))]
+    return any(not _out_of_sight(part, math.sqrt(part @ part), robot, config) for part in parts)
 
 
 def _plainly_in_sight(offset: Array, robot: Truth, config: PerceptConfig) -> bool:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.floor import ANY, FLOOR, Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
@@ -60,6 +61,13 @@ class Box(NamedTuple):
     size: Array
     heading: float
     corners: Array
+
+    def nearest(self, points: Array) -> Array:
+        """Return what of the box is nearest to each of some points; both from its middle, world frame, (n, 3) [m]."""
+        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        axes = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        inside: Array = clamp(points @ axes, -self.size / 2, self.size / 2) @ axes.T
+        return inside
 
 
 class Scene:

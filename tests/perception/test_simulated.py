@@ -248,6 +248,23 @@ def test_a_solid_thing_is_seen_when_a_corner_of_it_is_in_sight(tmp_path: Path) -
     assert watch(solid(tmp_path, f"shape: box, size: [3.4, 0.3, 1], {aside}"), 1.0)
 
 
+@pytest.mark.parametrize(
+    "wall",
+    [
+        "size: [0.1, 1.6, 1], position: [0.65, 0, 0.5]",  # its middle is below the view, its corners are beside it
+        "size: [0.1, 12, 1], position: [1, 4, 0.5]",
+        "size: [16, 0.1, 1], position: [-3, 0.7, 0.5]",  # it goes on beyond the range
+    ],
+)
+def test_a_wall_is_seen_whose_corners_and_middle_are_all_out_of_sight(tmp_path: Path, wall: str) -> None:
+    assert watch(solid(tmp_path, f"shape: box, {wall}"), 0.2)
+
+
+def test_a_wall_behind_the_robot_or_too_far_away_is_not_seen(tmp_path: Path) -> None:
+    for x in (-0.65, 4.2):
+        assert not watch(solid(tmp_path, f"shape: box, size: [0.1, 12, 1], position: [{x}, 4, 0.5]"), 0.2)
+
+
 # a thing that is covered while the eyes look at its place is still believed there
 def test_what_is_hidden_before_the_eyes_is_not_gone(tmp_path: Path) -> None:
     perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.9]", events="[{at: 0.5, hide: ball}]"), 0)
