@@ -16,7 +16,8 @@ _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is prom
 _JUMPS_AFTER = {"gyro": 3, "accelerometer": 4, "orientation": 3}  # looks; one wrong reading jumps out and back
 _SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
 _COMPARED_EVERY, _DRIFTS_AFTER = 2, 2  # looks; times that gyro and orientation disagree
-_WRONG_AFTER = 2  # looks in which a joint or a foot says what cannot be
+_WRONG_AFTER = 2  # looks in which a joint says what cannot be
+_FOOT_WRONG_AFTER, _FOOT_FORGET = 1.5, 0.1  # two of six looks: of what a sensor says at random, half may be borne
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _IMU = ("gyro", "accelerometer", "orientation")
 _MOST_NAMED = 4  # of what failed at the same time
@@ -119,7 +120,8 @@ class SensorWatch:
     def _look_closer(self, reading: Reading, rates: Array, time: float, upright: bool) -> None:
         shaken = bool(np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN)
         turned_so = self._turned_so(reading, rates, time)
-        felt = {"accelerometer": shaken, "gyro": shaken and turned_so, "orientation": turned_so}  # a blow, no failure
+        struck = shaken and "accelerometer" not in self.doubted  # one that fails shakes the joints itself
+        felt = {"accelerometer": struck, "gyro": shaken and turned_so, "orientation": turned_so}  # a blow, no failure
         heard = {"accelerometer": rates[:3], "gyro": rates[3:6], "orientation": reading.orientation}
         for name in _IMU:
             moved, most = getattr(self._moved, name), getattr(self._limits.most, name)
@@ -167,12 +169,12 @@ class SensorWatch:
         if upright and not self.failed:
             self._count(self.failed, "gyro", "says something else than the orientation", off, _DRIFTS_AFTER)
 
-    def _count(self, failed: set[str], name: str, how: str, seen: bool, most: float) -> None:
-        """Count the looks in which something was seen, half as many others off; it has failed if that is much."""
+    def _count(self, failed: set[str], name: str, how: str, seen: bool, most: float, forget: float = _FORGET) -> None:
+        """Count the looks in which something was seen, a part of the others off; it has failed if that is much."""
         key = name, how
         if not seen:
-            if key in self._counts and (count := self._counts.pop(key)) > _FORGET:
-                self._counts[key] = count - _FORGET
+            if key in self._counts and (count := self._counts.pop(key)) > forget:
+                self._counts[key] = count - forget
             return
         self._counts[key] = count = self._counts.get(key, 0.0) + 1.0
         if count >= most and name not in failed:
@@ -186,7 +188,7 @@ class SensorWatch:
             self._count(self._failed_feet, name, "is silent", silent, _SILENT_AFTER)
             self._count(self._failed_feet, name, "is frozen", still >= never_still, 1)
             wrong = upright and (force <= least or force >= most)
-            self._count(self._failed_feet, name, "says what no foot bears", wrong, _WRONG_AFTER)
+            self._count(self._failed_feet, name, "says what no foot bears", wrong, _FOOT_WRONG_AFTER, _FOOT_FORGET)
         self._doubt_feet(reading)
 
     def _doubt_feet(self, reading: Reading) -> None:

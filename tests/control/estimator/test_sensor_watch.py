@@ -102,6 +102,12 @@ def jolted(reading: Reading, look: int) -> None:
     reading.accelerometer[:] += 200.0 * (look % 2)
 
 
+def shaking(reading: Reading, look: int) -> None:
+    """A body that is controlled with what an accelerometer says shakes when that jumps."""
+    jolted(reading, look)
+    reading.joint_velocity[:2] += 3.0 * (look % 2) * (look > 1)
+
+
 def torn(reading: Reading, look: int) -> None:
     reading.joint_position[3] += look % 2
 
@@ -118,6 +124,7 @@ def turning(reading: Reading, look: int) -> None:
     ("change", "what"),
     [
         (jolted, "the accelerometer jumps"),
+        (shaking, "the accelerometer jumps"),
         (turning, "the gyro says something else than the orientation"),
         (torn, "the sensors of left_knee jumped"),
         (trodden, "the force sensor of the left foot says what no foot bears"),
@@ -128,6 +135,20 @@ def test_a_robot_that_falls_may_throw_its_sensors_about(
 ) -> None:
     assert looked(feeling.robot, change, upright=True).fault == what
     assert looked(feeling.robot, change, upright=False).fault == ""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "fault"), [({2}, ""), ({2, 7}, "the force sensor of the left foot says what no"), ({2, 9}, "")]
+)
+def test_a_foot_that_says_now_and_then_what_no_foot_bears_has_failed(
+    feeling: ControlRig, wrong: set[int], fault: str
+) -> None:
+    def sometimes(reading: Reading, look: int) -> None:
+        reading.foot_force[0] += 1e5 * (look in wrong)
+
+    found = looked(feeling.robot, sometimes, upright=True).fault
+    assert found.startswith(fault)
+    assert bool(found) is bool(fault)
 
 
 def test_what_failed_first_stays_told(feeling: ControlRig) -> None:
