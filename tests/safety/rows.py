@@ -24,6 +24,7 @@ from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
 
 _MEETS_FROM, _MEETS_EVERY = 1.5, 3.5  # s, in which a hand meets something
+_NOTICED = 0.05  # s, in which a sensor that fails is noticed
 _BLOW, _STAYS = (40.0, 0.1), (12.0, 0.7)  # N and s, of what it meets, first and then
 
 Fault = Callable[[Machine, np.random.Generator], None]
@@ -311,6 +312,11 @@ def _network(machine: Machine) -> Network:
     return machine.robot.policy.network
 
 
+def sensor_row(name: str, fault: Fault, *, promised: bool = True) -> Row:
+    """Return the row of a sensor that fails."""
+    return Row(name, fault, (PROTECT,), "the run's end", promised=promised, within=_NOTICED)
+
+
 FRESH, NEVER = "fresh commands", "nothing here"
 
 ROWS = {
@@ -330,10 +336,10 @@ ROWS = {
         Row("IK without solution for 0.1 s", unsolvable(0.1), (), "a solution", lasts=0.4, releases=True),
         Row("IK without solution for 0.5 s", unsolvable(0.5), (PROTECT, RUN), "a solution", lasts=1.2, releases=True),
         Row("knocked over, 600 N for 0.2 s", knocked_over, (DAMP,), "a reset, back on its feet", 2.0, stands=False),
-        *(Row(f"a sensor of the IMU {how}", imu_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
-        *(Row(f"the sensors of a joint {how}", joint_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
-        Row("a joint's speed or torque cannot be", joint_is_wild, (PROTECT,), "the run's end"),
-        Row("the whole IMU silent", blind_to_itself, (PROTECT,), "the run's end", promised=False),
+        *(sensor_row(f"a sensor of the IMU {how}", imu_fails(how)) for how in FAILURES),
+        *(sensor_row(f"the sensors of a joint {how}", joint_fails(how)) for how in FAILURES),
+        sensor_row("a joint's speed or torque cannot be", joint_is_wild),
+        sensor_row("the whole IMU silent", blind_to_itself, promised=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
         Row("a hand pushed, 60 N for 0.2 s", arm_pushed, (), "the hand let go of", lasts=1.0, releases=True),
         Row("something in a hand's way", in_the_way(1), (PROTECT, RUN), "nothing in the way", lasts=4.5, releases=True),
@@ -351,10 +357,7 @@ POLICY_ROWS = {
 """Further ones of a robot with a learned walker."""
 
 FOOT_ROWS = {
-    row.name: row
-    for row in [
-        Row(f"a force sensor of the feet {how}", foot_fails(how), (PROTECT,), "the run's end") for how in FAILURES
-    ]
+    row.name: row for row in [sensor_row(f"a force sensor of the feet {how}", foot_fails(how)) for how in FAILURES]
 }
 """Further ones of a robot with force sensors in its feet."""
 
