@@ -109,8 +109,13 @@ def _part_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfig)
 
     That is a corner, or, of a wall whose corners are all out of sight, what is nearest to the line of view.
     """
-    parts = [*(offset + box.corners), *(offset + box.nearest(config.range * _ALONG * robot.gaze_direction - offset))]
-    return any(not _out_of_sight(part, math.sqrt(part @ part), robot, config) for part in parts)
+    near = box.nearest(config.range * _ALONG * robot.gaze_direction - offset)
+    parts = offset + np.concatenate([box.corners, near])
+    ahead, aside, above = np.array(_axes(robot)) @ parts.T
+    wide, high = config.field_of_view / 2, config.vertical_field_of_view / 2
+    horizontal, vertical = np.arctan2(aside, ahead), np.arctan2(above, np.hypot(ahead, aside))
+    seen = (np.linalg.norm(parts, axis=1) <= config.range) & (np.abs(horizontal) <= wide) & (np.abs(vertical) <= high)
+    return bool(seen.any())
 
 
 def _plainly_in_sight(offset: Array, robot: Truth, config: PerceptConfig) -> bool:
@@ -127,21 +132,25 @@ def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptC
     """
     if distance > config.range:
         return f"out of range: {readable(distance, 'm')} away, seen up to {readable(config.range, 'm')}"
-    fx, fy, fz = robot.gaze_direction.tolist()
-    lx, ly, lz = -fy, fx, 0.0  # what is up, across forward
-    if math.hypot(lx, ly) < 1e-6:  # looking straight up or down: the body says where left is
-        lx, ly, lz = rotation_matrix(robot.base_quaternion)[:, 1].tolist()
-    length = math.sqrt(lx * lx + ly * ly + lz * lz)
-    lx, ly, lz = lx / length, ly / length, lz / length
     x, y, z = offset.tolist()
-    ahead, aside = x * fx + y * fy + z * fz, x * lx + y * ly + z * lz
-    above = x * (fy * lz - fz * ly) + y * (fz * lx - fx * lz) + z * (fx * ly - fy * lx)
+    ahead, aside, above = (x * u + y * v + z * w for u, v, w in _axes(robot))
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
     if abs(horizontal) > config.field_of_view / 2 - inside:
         return _out_of_view(horizontal, "left of", "right of", config.field_of_view)
     if abs(vertical) > config.vertical_field_of_view / 2 - inside:
         return _out_of_view(vertical, "above", "below", config.vertical_field_of_view)
     return ""
+
+
+def _axes(robot: Truth) -> list[list[float]]:
+    """Return what is ahead of the eyes, to their left and above, as unit vectors, world frame."""
+    fx, fy, fz = robot.gaze_direction.tolist()
+    lx, ly, lz = -fy, fx, 0.0  # what is up, across forward
+    if math.hypot(lx, ly) < 1e-6:  # looking straight up or down: the body says where left is
+        lx, ly, lz = rotation_matrix(robot.base_quaternion)[:, 1].tolist()
+    length = math.sqrt(lx * lx + ly * ly + lz * lz)
+    lx, ly, lz = lx / length, ly / length, lz / length
+    return [[fx, fy, fz], [lx, ly, lz], [fy * lz - fz * ly, fz * lx - fx * lz, fx * ly - fy * lx]]
 
 
 def _out_of_view(angle: float, positive: str, negative: str, field_of_view: float) -> str:
