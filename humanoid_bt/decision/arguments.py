@@ -116,9 +116,9 @@ def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing 
     """
     if orientation is not None and direction is not None:
         raise ValueError("a hand's target takes an orientation or a direction, not both")
+    if axis not in get_args(PalmAxis):
+        raise ValueError(f"the axis of a palm is 'fingers' or 'facing', not {axis!r}")
     if direction is not None:
-        if axis not in get_args(PalmAxis):
-            raise ValueError(f"the axis of a palm is 'fingers' or 'facing', not {axis!r}")
         found = vector(direction, 3, "direction")
         largest = float(np.abs(found).max())
         if largest == 0:

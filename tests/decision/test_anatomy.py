@@ -97,6 +97,7 @@ def test_a_direction_may_have_any_length(handle: RobotHandle, length: float) -> 
         ({"direction": (1, math.inf, 0)}, "direction must be finite"),
         ({"direction": (1, 0)}, r"direction must have shape \(3,\)"),
         ({"direction": (1, 0, 0), "axis": "thumb"}, "'fingers' or 'facing', not 'thumb'"),
+        ({"axis": "thumb"}, "'fingers' or 'facing', not 'thumb'"),
         ({"direction": (1, 0, 0), "orientation": (1, 0, 0, 0)}, "not both"),
         ({"speed": 0}, "speed of a motion must be above 0, not 0"),
         ({"speed": math.nan}, "above 0, not nan"),
