@@ -197,6 +197,8 @@ class Loop:
         tip = self._runner.tip
         doing = f" at {getattr(tip, 'path', tip.name)!r} ({tip.feedback_message or 'running'})" if tip else ""
         more = "--duration (in Python duration=) lets it go on longer"
+        if self.state is not None and self.state.mode is Mode.PROTECTIVE_STOP:
+            more = f"the robot was in a protective stop: {self.state.stop_reason} ({self.state.stop_source})"
         return End("unfinished", f"the tree still ran after {self.limit:g} s{doing}; {more}")
 
     def _rest(self, end: End, time: float) -> None:

@@ -80,6 +80,7 @@ def test_where_it_raises_the_robot_is_held_and_the_model_based_body_takes_over(r
     assert stop["reason"] == f"RuntimeError: no more, raised at sim/mine/mine.py:{line}:13"
     assert stop["mode"] == "protective_stop"
     assert report.outcome == "unfinished"  # it stands, and did not fall
+    assert report.reason.endswith(f"; the robot was in a protective stop: {stop['reason']} (body)")
 
 
 @pytest.mark.trials
