@@ -24,7 +24,7 @@ from humanoid_bt.decision.result import Reported
 from humanoid_bt.link.processes import how_ended
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.outbox import Outbox, Stuck
-from humanoid_bt.record.sample import encode_call, encode_cycles, encode_sample
+from humanoid_bt.record.sample import encode_call, encode_cycles, encode_results, encode_sample
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
 
@@ -185,7 +185,7 @@ class RemoteRecorder:
     def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
         """Record what a skill has reported by now."""
         if results:
-            self._collected.append(encode_call("results", time, path, results))
+            self._collected.append(encode_results(time, path, results))
 
     def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
         """Record that another tree takes the place of the one so far."""
