@@ -120,6 +120,8 @@ class ContactRule:
     def contacts(self) -> dict[str, Contact]:
         """What touches the robot, and the arms that yield."""
         found: dict[str, Contact] = {}
+        if not (self._yields or self._touches):
+            return found
         for group, force in self._forces.items():
             yields, largest = self._yields.get(group), self._touches.get(group)
             if yields is not None:

@@ -285,7 +285,7 @@ class Controller:
             com_velocity=com_velocity,
             hands=View(hands),
             hand_orientations=View(dict(zip(dynamics.sides, hand_turns, strict=True))),
-            feet=View({side: dynamics.foot_pose(side) for side in SIDES}),
+            feet=View(dynamics.feet),
             stance=stance,
             gaze_position=eyes,
             gaze_direction=view,

@@ -64,13 +64,14 @@ class RobotDynamics:
         self.bias: Array = data.qfrc_bias
         self.motions: Array = data.cdof
         self._qpos, self._qvel = data.qpos, data.qvel
-        self._places, self._turns = data.site_xpos, data.site_xmat
+        self._turns = data.site_xmat
         self.origin: Array = data.subtree_com[model.body_rootid[self._base]]
         rows: Array = np.zeros((8, 3))
         self.com: Array = rows[0]
         self.com_velocity: Array = rows[1]
         self.sole_positions: Array = rows[2:4]
         self.soles: dict[Side, Array] = {"left": rows[4], "right": rows[5]}
+        self._sole_headings: Array = rows[4:6, 2]
         self.footings: dict[Side, Array] = {"left": rows[6], "right": rows[7]}
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
@@ -119,10 +120,11 @@ class RobotDynamics:
         """Palm positions of the hands that the robot has."""
         return {side: self.palm(side) for side in self.sides}
 
-    def foot_pose(self, side: Side) -> FootPose:
-        """Return a sole's pose."""
-        x, y, z = self._places[self._sole[side]].tolist()
-        return FootPose(x, y, float(self.soles[side][2]), z)
+    @property
+    def feet(self) -> dict[Side, FootPose]:
+        """Poses of the soles."""
+        places, headings = self.sole_positions.tolist(), self._sole_headings.tolist()
+        return {side: FootPose(x, y, yaw, z) for side, (x, y, z), yaw in zip(SIDES, places, headings, strict=True)}
 
     @property
     def gaze_position(self) -> Array:

@@ -209,7 +209,7 @@ class _Body:
         dynamics.update(measured)
         self._home, self._frames = measured, {side: dynamics.palm_frame(side) for side in dynamics.hands}
         self._hands: tuple[Side, ...] = tuple(dynamics.hands)
-        self._feet = {side: dynamics.foot_pose(side) for side in SIDES}
+        self._feet = dynamics.feet
         hands = (dynamics.hands[side] for side in self._hands)
         points = [dynamics.com, dynamics.gaze_position, dynamics.base_position, *hands]
         self._points = np.array(points)
