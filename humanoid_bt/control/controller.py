@@ -84,6 +84,7 @@ class Controller:
         self.log: CycleLog | None = None
         self._estimate_period = cycles(ESTIMATE_PERIOD)
         self._reading = Reading(len(robot.joint_names))
+        self._limited = np.zeros(len(robot.joint_names), dtype=bool)
         self.reset(place)
 
     def reset(self, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
@@ -308,10 +309,10 @@ class Controller:
 
     def _limit_flags(self) -> tuple[str, ...]:
         """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
-        names, limited = self._robot.joint_names, np.empty(len(self._robot.joint_names), dtype=bool)
-        if not _at_limit(self.estimator.estimate.joint_torque, self._robot.torque_limit, self.servo.limited, limited):
+        robot, limited = self._robot, self._limited
+        if not _at_limit(self.estimator.estimate.joint_torque, robot.torque_limit, self.servo.limited, limited):
             return ()
-        return tuple([name for name, one in zip(names, limited.tolist(), strict=True) if one])
+        return tuple([name for name, one in zip(robot.joint_names, limited.tolist(), strict=True) if one])
 
 
 def _hand_errors(dynamics: RobotDynamics, targets: Mapping[str, Target]) -> tuple[dict[Side, float], dict[Side, float]]:
