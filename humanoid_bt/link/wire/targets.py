@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ _AXES: dict[PalmAxis, int] = {"fingers": _FINGERS, "facing": _FACING}
 
 def pack_targets(targets: Mapping[str, Target]) -> bytes:
     """Return targets one after the other; their number is not in it."""
-    return b"".join([_pack_target(_index(resource), target) for resource, target in targets.items()])
+    return b"".join([_pack_target(resource, target) for resource, target in targets.items()])
 
 
 def unpack_targets(cursor: Cursor, count: int) -> dict[str, Target]:
@@ -72,22 +73,44 @@ def _pack_source(resource: str, path: str) -> bytes:
     return _RESOURCE.pack(_index(resource)) + pack_path(path)
 
 
-def _pack_target(resource: int, target: Target) -> bytes:
-    match target:
-        case BaseTarget(position=position, heading=heading):
-            x, y = _numbers(position, 2)
-            return _TARGET.pack(resource, _BASE, x, y, heading)
-        case HandTarget(position=position, orientation=None, relative=False, speed=None, press=0.0):
-            return _TARGET.pack(resource, _HAND, *_numbers(position, 3))
-        case HandTarget(position=position):
-            return _TARGET.pack(resource, _MANNERED_HAND, *_numbers(position, 3)) + _pack_manner(target)
-        case ArmTarget():
-            return _TARGET.pack(resource, _ARM, 0.0, 0.0, 0.0) + _pack_joints(target)
-        case GazeTarget(point=position):
-            return _TARGET.pack(resource, _GAZE, *_numbers(position, 3))
-        case PostureTarget(height=height):
-            return _TARGET.pack(resource, _POSTURE, height, 0.0, 0.0)
-    raise WireError(f"{type(target).__name__} is no target")
+def _pack_target(resource: str, target: Target) -> bytes:
+    pack = _PACKS.get(type(target))
+    if pack is None:
+        raise WireError(f"{type(target).__name__} is no target")
+    return pack(_index(resource), target)
+
+
+def _pack_base(resource: int, base: BaseTarget) -> bytes:
+    x, y = _numbers(base.position, 2)
+    return _TARGET.pack(resource, _BASE, x, y, base.heading)
+
+
+def _pack_hand(resource: int, hand: HandTarget) -> bytes:
+    place = _numbers(hand.position, 3)
+    if hand.orientation is None and not hand.relative and hand.speed is None and not hand.press:
+        return _TARGET.pack(resource, _HAND, *place)
+    return _TARGET.pack(resource, _MANNERED_HAND, *place) + _pack_manner(hand)
+
+
+def _pack_arm(resource: int, arm: ArmTarget) -> bytes:
+    return _TARGET.pack(resource, _ARM, 0.0, 0.0, 0.0) + _pack_joints(arm)
+
+
+def _pack_gaze(resource: int, gaze: GazeTarget) -> bytes:
+    return _TARGET.pack(resource, _GAZE, *_numbers(gaze.point, 3))
+
+
+def _pack_posture(resource: int, posture: PostureTarget) -> bytes:
+    return _TARGET.pack(resource, _POSTURE, posture.height, 0.0, 0.0)
+
+
+_PACKS: dict[type, Callable[[int, Any], bytes]] = {
+    BaseTarget: _pack_base,
+    HandTarget: _pack_hand,
+    ArmTarget: _pack_arm,
+    GazeTarget: _pack_gaze,
+    PostureTarget: _pack_posture,
+}
 
 
 def _pack_manner(hand: HandTarget) -> bytes:
