@@ -99,15 +99,18 @@ class Approach(Skill):
     def _place(self, track: Track, here: np.ndarray) -> np.ndarray:
         """Return where to stand: straight before the target if nothing is in the way, else where there is a way to."""
         target = track.position_world[:2]
+        holds = self._goal is not None and self._holds(self._goal, target, here)
+        if holds and self._straight:
+            return self._goal
         stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
         x, y = (target - here).tolist()
         heading = math.atan2(y, x)
         goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
-        holds = self._goal is not None and self._holds(self._goal, target, here)
-        if holds and (self._straight or not self._leads_straight(goal)):
+        straight = self._leads_straight(goal)
+        if holds and not straight:
             return self._goal
-        self._goal_of, self._straight = target, self._leads_straight(goal)
-        return goal if self._straight else self._beside(track, heading, stop_at, goal)
+        self._goal_of, self._straight = target, straight
+        return goal if straight else self._beside(track, heading, stop_at, goal)
 
     def _holds(self, goal: np.ndarray, target: np.ndarray, here: np.ndarray) -> bool:
         """Return whether the robot can still go where it went before: the target has not moved."""
