@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import Array, State
 from humanoid_bt.decision.obstacles import Obstacles
 from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.perception.track import Track
@@ -107,6 +107,7 @@ class Surroundings:
     def __init__(self, robot: RobotHandle, named: Sequence[str] = ()) -> None:
         self._robot, self._named = robot, tuple(named)
         self._things: dict[str, _Thing] = {}
+        self._looked_at: State | None = None
         self.obstacles = Obstacles((), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
         self.velocities: Array = np.empty((0, 2))
         self.changes = 0
@@ -120,7 +121,10 @@ class Surroundings:
         return np.flatnonzero(self.velocities.any(axis=1)).tolist()
 
     def look(self) -> Obstacles:
-        """Take what is seen in this tick, and return what stands around."""
+        """Take what is seen in this tick, once, and return what stands around."""
+        if self._robot.state is self._looked_at:
+            return self.obstacles
+        self._looked_at = self._robot.state
         tracks = self._tracks()
         if not tracks and not len(self.obstacles):
             return self.obstacles
