@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from humanoid_bt.core.messages import Array
 
 _MOVED_ON = 5  # steps by which an error has grown where something has moved on; more than the noise
@@ -36,11 +34,11 @@ class Steady:
             position: observed, shape (3,) [m].
             stamp: when it was observed [s]; the same observation may be given many times.
         """
-        if self._position is None or np.linalg.norm(position - self._position) > self._jump:
+        if self._position is None or math.sqrt((step := position - self._position) @ step) > self._jump:
             self._position = position.copy()
         elif stamp > self._stamp:
             elapsed = stamp - self._stamp
-            self._position = self._position + (position - self._position) * (elapsed / (elapsed + self._time))
+            self._position = self._position + step * (elapsed / (elapsed + self._time))
         self._stamp = max(self._stamp, stamp)
         return self._position.copy()
 
