@@ -61,9 +61,10 @@ class HandRoute:
             if box.name not in ignore and math.dist(box.position_world[:2], here) < _FARTHEST + _radius(box)
         ]
         met = [box for box in boxes if _hits(box, palm, end, _DOWN)]
-        self.blocked, self._verb = listed([box.name for box in met]), "is" if len(met) == 1 else "are"
         if not met:
+            self.blocked = ""
             return end
+        self.blocked, self._verb = listed([box.name for box in met]), "is" if len(met) == 1 else "are"
         height = max(_top(box) for box in met) + _HIGH
         above, before = np.array([*end[:2], max(height, end[2])]), self._beside(side, _BEFORE, height)
         for place in (above, before):
