@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -105,6 +105,7 @@ class Drive:
         self._process = os.getpid()
         self._tracks: Mapping[str, Track] | None = None
         self._asked = False  # somebody ends the run
+        self._held: WholeTick | None = None  # what holds Ctrl-C back from many ticks at one go
         self.begun = False
         self.end: End | None = None
         self.report: Report | None = None
@@ -186,19 +187,36 @@ class Drive:
         """Let a tick's time pass in which control holds the robot; raises as :meth:`tick`."""
         self._go(lambda: self.loop.stand_still(pause))
 
-    def _go(self, on: Callable[[], End | None]) -> None:
-        with self._whole_tick():
+    @contextmanager
+    def whole_ticks(self) -> Iterator[None]:
+        """Hold Ctrl-C back from all the ticks within at one go, up to the end of each, which raises it."""
+        with self._whole_tick() as held:
+            self._held = held
             try:
-                self._parameters.look()
-                self.end = self._heard(on())
-            except KeyboardInterrupt as interrupt:
-                if is_ctrl_c(interrupt):
-                    self.end = self._ending.torn(interrupt)
-                raise
-            except ControlLost as error:
-                self.end = self._ending.lost(error)
-            except Exception as error:
-                self.end = self._ending.bug(error)
+                yield
+            finally:
+                self._held = None
+
+    def _go(self, on: Callable[[], End | None]) -> None:
+        if self._held is None:
+            with self._whole_tick():
+                self._do(on)
+        else:
+            self._do(on)
+            self._held.over()
+
+    def _do(self, on: Callable[[], End | None]) -> None:
+        try:
+            self._parameters.look()
+            self.end = self._heard(on())
+        except KeyboardInterrupt as interrupt:
+            if is_ctrl_c(interrupt):
+                self.end = self._ending.torn(interrupt)
+            raise
+        except ControlLost as error:
+            self.end = self._ending.lost(error)
+        except Exception as error:
+            self.end = self._ending.bug(error)
 
     def _heard(self, end: End | None) -> End | None:
         """Return how the run ends, None if it goes on: by what the listener raised, if it raised anything."""
@@ -281,7 +299,7 @@ class Drive:
             return True
         return self._ending.interrupted is not before
 
-    def _whole_tick(self) -> AbstractContextManager[None]:
+    def _whole_tick(self) -> AbstractContextManager[WholeTick | None]:
         """Return what holds Ctrl-C back until a tick is over."""
         return WholeTick(self.ticks.interrupted) if self.ticks.looks else nullcontext()
 

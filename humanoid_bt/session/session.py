@@ -254,6 +254,7 @@ class Session(Debugging):
         self._drive.debugger.attended = attended
         with ExitStack() as leaving:
             leaving.push(self)
+            leaving.enter_context(self._drive.whole_ticks())
             while not self.outcome:
                 if self.paused is not None and not attended:
                     raise HumanoidBtError(f"{self.paused}, and nobody continues it: run_until() returns then")

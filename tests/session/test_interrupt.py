@@ -38,6 +38,18 @@ def test_ctrl_c_in_a_tick_is_raised_when_the_tick_is_over() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_ctrl_c_in_one_of_many_ticks_is_raised_when_that_tick_is_over() -> None:
+    done = []
+    with pytest.raises(KeyboardInterrupt), WholeTick() as ticks:
+        ticks.over()
+        signal.raise_signal(signal.SIGINT)
+        done.append("the rest")
+        ticks.over()
+        done.append("another tick")
+    assert done == ["the rest"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_what_a_tick_raises_is_not_hidden_by_a_ctrl_c() -> None:
     with pytest.raises((ValueError, KeyboardInterrupt)) as caught, WholeTick():
         signal.raise_signal(signal.SIGINT)
