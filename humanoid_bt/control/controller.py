@@ -42,6 +42,7 @@ from humanoid_bt.plant.interface import SILENT_AFTER, Plant
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
+_DAMP, _STAND = Mode.DAMP, Gait.STAND  # reading a member from its class costs more than comparing it
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.018  # m/s of the centre of mass, which then has less than 5 mm to go
 _STIRRED_SPEED = 0.08  # m/s of it above which a robot that had settled has not any more: hands move it
@@ -137,7 +138,7 @@ class Controller:
         supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault, self._plant.fault)
         if self.log is not None:
             self.log.begin(self.cycle + 1, supervisor, self.servo, self.body)
-        if supervisor.mode is Mode.DAMP:
+        if supervisor.mode is _DAMP:
             self._let_go()
         elif self._silent:
             self._wait()
@@ -188,7 +189,7 @@ class Controller:
         supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint, body.period)
         self._setpoint_fault = refused or body.fault
-        still = body.gait is Gait.STAND and body.still_for >= _SETTLED_AFTER
+        still = body.gait is _STAND and body.still_for >= _SETTLED_AFTER
         self._at_rest = still and body.com_speed < (_STIRRED_SPEED if self._at_rest else _SETTLED_SPEED)
         if body.failure:
             self._give_up(body, estimate, body.failure)
@@ -212,7 +213,7 @@ class Controller:
         A robot that is limp lies on the floor: that is no contact that matters, and nothing that it carries.
         """
         supervisor, touch, contact = self.supervisor, self.supervisor.touch, self.estimator.contact
-        if supervisor.mode is Mode.DAMP:
+        if supervisor.mode is _DAMP:
             contact.reset()
             touch.reset()
             return
@@ -252,7 +253,7 @@ class Controller:
     @property
     def settled(self) -> bool:
         """Whether the robot stands, at rest, with no step pending; one that has settled may move its hands."""
-        return self._at_rest and self.supervisor.mode is not Mode.DAMP
+        return self._at_rest and self.supervisor.mode is not _DAMP
 
     def state(self) -> State:
         """Return a snapshot of everything, into which nobody can write."""

@@ -49,7 +49,8 @@ SENSOR_FAILED = "a sensor failed: "
 """What the reason of a stop begins with whose cause is a sensor."""
 
 _MOST = 1000  # stops, and refusals, that are kept
-_COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
+_RUN, _DAMP = Mode.RUN, Mode.DAMP  # reading a member from its class costs more than comparing it
+_COMMANDED = (_RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
 _BY_ITSELF = (*_COMMANDED, Mode.PROTECTIVE_STOP)  # what goes over into the other ones without a reset
 
 _UNIT = 1e-3  # of a length from 1, of directions and quaternions
@@ -111,7 +112,7 @@ class Supervisor:
     def reset_run(self, home_height: float) -> None:
         """Start a run; ``home_height`` is the height of the base when standing [m]."""
         self._home_height = home_height
-        self.mode, self.reason, self.source = Mode.RUN, "", ""
+        self.mode, self.reason, self.source = _RUN, "", ""
         self.command: Command | None = None
         self.stops: Kept[Stop] = Kept(_MOST)
         self.rejected: Kept[str] = Kept(_MOST)
@@ -155,10 +156,10 @@ class Supervisor:
         """
         if self._falling:
             return self._falling
-        if self.mode in (Mode.EMERGENCY_STOP, Mode.DAMP):
+        if self.mode in (Mode.EMERGENCY_STOP, _DAMP):
             self._estop = None
             self.touch.forgive()
-            self.mode, self.reason, self.source = Mode.RUN, "", ""
+            self.mode, self.reason, self.source = _RUN, "", ""
             self.command = None
         return ""
 
@@ -239,7 +240,7 @@ class Supervisor:
         if estimate is not self._looked_at:  # a new one now and then
             self._looked_at, self._falling = estimate, self._why_falling(estimate)
         if self._falling:
-            self._stop(Mode.DAMP, self._falling, "supervisor")
+            self._stop(_DAMP, self._falling, "supervisor")
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
         elif self.mode in _BY_ITSELF:
@@ -249,8 +250,8 @@ class Supervisor:
                 self._stop(Mode.PROTECTIVE_STOP, *cause)
             elif self.command is not None and (pause := self.command.pause) is not None:
                 self.mode, self.reason, self.source = Mode.PAUSED, pause.reason, pause.source
-            elif self.mode is not Mode.RUN:
-                self.mode, self.reason, self.source = Mode.RUN, "", ""
+            elif self.mode is not _RUN:
+                self.mode, self.reason, self.source = _RUN, "", ""
 
     def next_look(self, setpoint_fault: str) -> int:
         """Return the servo cycle in which to look again if nothing changes before of what :meth:`check` is told.
@@ -291,7 +292,7 @@ class Supervisor:
         return _SILENT + (f": what it commands is refused: {self._refused}" if self._refused else "")
 
     def _stop(self, mode: Mode, reason: str, source: str) -> None:
-        if self.mode is Mode.DAMP or (mode, reason, source) == (self.mode, self.reason, self.source):
+        if self.mode is _DAMP or (mode, reason, source) == (self.mode, self.reason, self.source):
             return
         self.mode, self.reason, self.source = mode, reason, source
         resources = dict(self.command.sources) if self.command else {}
@@ -311,7 +312,7 @@ class Supervisor:
     @property
     def targets(self) -> Mapping[str, Target]:
         """The targets in force: none unless the mode is RUN, and none of the hand of an arm that yields."""
-        if self.mode is not Mode.RUN or self.command is None:
+        if self.mode is not _RUN or self.command is None:
             return {}
         targets, yielding = self.command.targets, self.touch.yielding
         if not yielding:
@@ -322,7 +323,7 @@ class Supervisor:
     @property
     def hold(self) -> bool:
         """Whether the body shall stop and stay."""
-        return self.mode is not Mode.RUN
+        return self.mode is not _RUN
 
 
 def reset_text(source: str, refusal: str) -> str:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # a skill's file is imported without it
     from humanoid_bt.decision.anatomy import ArmJoint
     from humanoid_bt.robot.config import RobotConfig
 
+_RUN = Mode.RUN  # reading a member from its class costs more than comparing it
 _AT_LIMIT = 0.03  # rad
 
 
@@ -126,7 +127,7 @@ class RobotHandle:
 
         ``, for which it makes no step``, to go after what is left of the way.
         """
-        stands = self.state.base_settled and self.state.mode is Mode.RUN
+        stands = self.state.base_settled and self.state.mode is _RUN
         return ", for which it makes no step" if stands else ""
 
     def walk_to(self, position: Any, heading: float) -> None:

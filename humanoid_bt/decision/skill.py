@@ -34,6 +34,7 @@ from humanoid_bt.decision.robot_handle import RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_gaze", "of_hand"]
 
+_RUNNING = Status.RUNNING  # reading a member from its class costs more than returning it
 _REST_TIME = 30.0  # s in which a base that can come to rest does so, also after a walk or a push
 
 
@@ -130,7 +131,7 @@ class Skill(py_trees.behaviour.Behaviour):
         """Return RUNNING with a word on what is happening; what is no text becomes one."""
         self._rests_by = math.inf
         self.feedback_message = shortened(feedback)
-        return Status.RUNNING
+        return _RUNNING
 
     def await_rest(self, feedback: object) -> Status:
         """Return RUNNING with a word while the base comes to rest, and FAILURE after half a minute of that in a row.

@@ -7,8 +7,6 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from py_trees.common import Status
-
 from humanoid_bt.core.errors import nearest
 from humanoid_bt.core.messages import Command, Level, Percept, State, Truth
 from humanoid_bt.core.odometry import odometry_error
@@ -26,6 +24,7 @@ from humanoid_bt.session.setup import tree_setup
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
+from humanoid_bt.tree.ticking.tick import RUNNING
 from humanoid_bt.tree.tree import Tree
 
 NO_PERCEPT = "publishes no percept"
@@ -176,7 +175,7 @@ class Teller:
             for kind, value in self._changes.since(runner.tree):
                 self.recorder.news(state.time, kind, value)
             for path, skill in runner.reporting:
-                if skill.status is Status.RUNNING:
+                if skill.status is RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
             if (truth := self.truth) is not None:
                 self.recorder.truth(truth.time, [*truth.base_position.tolist(), *truth.base_quaternion.tolist()])
