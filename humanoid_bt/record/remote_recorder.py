@@ -171,7 +171,7 @@ class RemoteRecorder:
 
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
-        self._collected.append(encode_cycles(plans, cycles))
+        self._collected += encode_cycles(plans, cycles)
 
     def follow(self, plans: Path, cycles: Path) -> None:
         """Record the servo cycles that control keeps in these tables, whatever becomes of this process."""

@@ -1,4 +1,7 @@
-"""What the recorder is told, as bytes: a pickle for each call, in which a tick is in the form of the wire."""
+"""What the recorder is told, as bytes: a pickle for each call, in which a tick is in the form of the wire.
+
+The numbers of servo cycles come after theirs.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.tick import Tick, state_of
 
 _SAMPLE, _CYCLES, _RESULTS = "sample", "cycles", "results"
+_NUMBER = np.dtype(float).itemsize  # bytes
 _NOWHERE = np.full(3, np.nan)  # a recording shows where a percept is in the world, never in an older base frame
 
 
@@ -44,9 +48,10 @@ def encode_sample(
     return encode_call(_SAMPLE, tick.encode(), rows, places, tuple(hidden))
 
 
-def encode_cycles(plans: Array, cycles: Array) -> bytes:
-    """Return the call of servo cycles as bytes: a third of the time that pickling arrays takes."""
-    return encode_call(_CYCLES, *((rows.shape, np.asarray(rows, float).tobytes()) for rows in (plans, cycles)))
+def encode_cycles(plans: Array, cycles: Array) -> tuple[bytes, bytes, bytes]:
+    """Return the call of servo cycles as bytes, in parts: in half of the time that a pickle with the numbers takes."""
+    call = encode_call(_CYCLES, plans.shape, cycles.shape)
+    return call, np.asarray(plans, float).tobytes(), np.asarray(cycles, float).tobytes()
 
 
 def encode_results(time: float, path: str, results: Sequence[Reported]) -> bytes:
@@ -85,11 +90,19 @@ def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
     """
     method, arguments = pickle.load(source)
     if method == _CYCLES:
-        return method, tuple([np.frombuffer(rows).reshape(shape) for shape, rows in arguments])
+        return method, tuple([_rows(source, *shape) for shape in arguments])
     if method == _RESULTS:
         time, path, results = arguments
         return method, (time, path, [Reported(*one) for one in results])
     return method, _sample(*arguments) if method == _SAMPLE else arguments
+
+
+def _rows(source: IO[bytes], count: int, width: int) -> Array:
+    """Return the rows of numbers that come next; raises EOFError if they are cut short."""
+    size = count * width * _NUMBER
+    if len(data := source.read(size)) < size:
+        raise EOFError
+    return np.frombuffer(data).reshape(count, width)
 
 
 def _sample(

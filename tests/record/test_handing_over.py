@@ -18,6 +18,7 @@ import pytest
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget, Percept
+from humanoid_bt.decision.result import Reported
 from humanoid_bt.link.table import TableWriter
 from humanoid_bt.link.wire import encode_state
 from humanoid_bt.perception.track import Track
@@ -27,7 +28,7 @@ from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.recorder_process import RecorderProcess, _Unhurried
 from humanoid_bt.record.remote_recorder import RemoteRecorder
-from humanoid_bt.record.sample import decode_call, encode_call, encode_sample
+from humanoid_bt.record.sample import decode_call, encode_call, encode_cycles, encode_results, encode_sample
 from humanoid_bt.record.tick import Tick
 from tests.record.helpers import make_state, make_track
 from tests.record.test_parts import LAYOUT
@@ -73,6 +74,25 @@ def test_the_box_around_a_solid_thing_arrives() -> None:
     seen = arguments[1]["table"]
     assert seen.size.tolist() == size.tolist()
     assert seen.heading_world == 0.3
+
+
+def test_servo_cycles_arrive_bit_for_bit_and_what_comes_after_them() -> None:
+    plans, cycles = np.empty((0, 3)), np.arange(8.0).reshape(2, 4) / 3
+    whole = b"".join(encode_cycles(plans, cycles))
+    source = io.BytesIO(whole + encode_call("event", 1.0, "info", "something") + whole[:-4])
+    method, arguments = decode_call(source)
+    assert (method, [rows.tolist() for rows in arguments]) == ("cycles", [[], cycles.tolist()])
+    assert decode_call(source)[0] == "event"
+    with pytest.raises(EOFError):
+        decode_call(source)
+
+
+def test_results_arrive_as_they_were_reported() -> None:
+    results = (Reported("hand_error", 1 / 3, "m"), Reported("what", "cup", ""))
+    method, (time, path, arrived) = decode_call(io.BytesIO(encode_results(1.0, "reach", results)))
+    assert (method, time, path) == ("results", 1.0, "reach")
+    assert [str(one) for one in arrived] == [str(one) for one in results]
+    assert tuple(arrived) == results
 
 
 def test_a_call_that_is_cut_short_is_none() -> None:
