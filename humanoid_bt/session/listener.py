@@ -53,6 +53,11 @@ class Guarded(Listener):
         self._listener = listener
         self.failure: Exception | None = None
 
+    @property
+    def hears_progress(self) -> bool:
+        """Whether it does something about a tick that is over: else nobody need put into words what runs."""
+        return getattr(self._listener.progress, "__func__", None) is not Listener.progress
+
     def node_changed(self, change: NodeChange) -> None:
         """A node's status changed."""
         self._tell("node_changed", change)

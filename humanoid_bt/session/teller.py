@@ -17,7 +17,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.changes import Changes
 from humanoid_bt.session.engine import Engine, Input
 from humanoid_bt.session.happenings import Happenings
-from humanoid_bt.session.listener import Listener
+from humanoid_bt.session.listener import Guarded
 from humanoid_bt.session.outcome import End
 from humanoid_bt.session.recording import RunRecorder, run_info, tree_view
 from humanoid_bt.session.setup import tree_setup
@@ -50,7 +50,7 @@ class Teller:
         truth: where the robot really was at the last tick, None if nobody knows.
     """
 
-    def __init__(self, listener: Listener, engine: Engine, given: Mapping[str, Any]) -> None:
+    def __init__(self, listener: Guarded, engine: Engine, given: Mapping[str, Any]) -> None:
         self._listener, self._engine, self._given = listener, engine, given
         self._happenings, self._changes = Happenings(engine), Changes(engine)
         self.trace = Trace()
@@ -164,7 +164,7 @@ class Teller:
             command: what it commanded, None if a node raised an exception.
             took: how long the tree took, on the wall clock [s].
         """
-        robot, tip = runner.robot, runner.tip
+        robot = runner.robot
         self._state, self.truth = state, self._engine.truth
         if self.recorder is not None:
             scene = self._engine.scene
@@ -186,15 +186,19 @@ class Teller:
                 self.recorder.routes(state.time, routes)
             self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)
-        resting = self.resting if runner.ended else "coming to a stand"
-        doing = ": ".join(filter(None, [tip.name, shortened(tip.feedback_message)])) if tip is not None else resting
-        pause = command.pause if command is not None else None
-        if pause is not None:
-            doing = f"paused at {doing}; by {pause.source}: {pause.reason}"
-        self._listener.progress(state.time, doing)
+        if self._listener.hears_progress:
+            self._listener.progress(state.time, self._doing(runner, command))
         self._ticks += 1
         if time.monotonic() - self._published >= _STATUS_PERIOD:
             self._publish(state, runner)
+
+    def _doing(self, runner: TreeRunner, command: Command | None) -> str:
+        """Return what the tree does after a tick in which it commanded this, in words."""
+        tip = runner.tip
+        resting = self.resting if runner.ended else "coming to a stand"
+        doing = ": ".join(filter(None, [tip.name, shortened(tip.feedback_message)])) if tip is not None else resting
+        pause = command.pause if command is not None else None
+        return doing if pause is None else f"paused at {doing}; by {pause.source}: {pause.reason}"
 
     def ended(self, end: End, tree_ended: float | None, slow_ticks: Mapping[str, Any]) -> None:
         """Keep how the run ended.
