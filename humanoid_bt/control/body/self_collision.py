@@ -96,8 +96,7 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         against = self.pressures * (self._approach @ pull)
         pressed: dict[int, float] = {}
         for (one, other), pressure in zip(self.model.geom_bodyid[self._geoms].tolist(), against.tolist(), strict=True):
-            inside = [body for body in (one, other) if body in arm]
-            if inside and pressure > 0:
+            if pressure > 0 and (inside := [body for body in (one, other) if body in arm]):
                 outer = min(inside, key=arm.index)
                 inner = other if outer == one else one
                 pressed[inner] = pressed.get(inner, 0.0) + pressure
