@@ -73,6 +73,7 @@ class InverseKinematics:
             for side in SIDES
             if side in config.hands
         }
+        self._hand_places = {side: _place_of_target(hand) for side, hand in self._hands.items()}
         self._turned_hands = {side: PalmTask(robot, self._model, side) for side in self._hands}
         self.tasks: list[mink.BaseTask] = [self._body]
         self.limits: list[mink.Limit] = [self._own_links]
@@ -197,7 +198,7 @@ class InverseKinematics:
                 self._turned_hands[side].aim(self.configuration.data, goal)
                 self.tasks.append(self._turned_hands[side])
             else:
-                self._hands[side].set_target(mink.SE3.from_translation(position))
+                self._hand_places[side][:] = position
                 self.tasks.append(self._hands[side])
         way = self._within_limits()
         self.solved = way is not None
@@ -243,6 +244,13 @@ class InverseKinematics:
         velocity = np.empty(len(way))
         _go(velocity, way, self.velocity, *self._motion)
         self.velocity = velocity
+
+
+def _place_of_target(task: mink.FrameTask) -> Array:
+    """Give a task a target; return a view of its place, shape (3,): a new one each time takes as long as the task."""
+    task.set_target(mink.SE3.identity())
+    place: Array = task.transform_target_to_world.translation()
+    return place
 
 
 @compiled("void(f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8)")
