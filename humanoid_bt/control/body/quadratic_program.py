@@ -37,13 +37,12 @@ class QuadraticProgram:
     def __init__(self, nv: int, damping: float) -> None:
         self._nv, self._damping = nv, damping
         self.hessian, self.gradient = np.zeros((nv, nv)), np.zeros(nv)
-        self._diagonal, self._row = self.hessian.reshape(-1)[:: nv + 1], np.zeros(nv)
+        self._row = np.zeros(nv)
         self.pressures: Array = np.zeros(0)
         self._rows: Array = np.zeros((0, nv))
         self._low: Array = np.zeros(0)
         self._high: Array = np.zeros(0)
         self._make_room(_ROWS)
-        self.rows, self.rooms = self._rows[:0], self._high[:0]
 
     def aim(self, configuration: mink.Configuration, tasks: Sequence[mink.BaseTask]) -> None:
         """Take the tasks, each of which has a residual."""
@@ -58,7 +57,7 @@ class QuadraticProgram:
                 jacobian, error, own_damping = task.compute_qp_residual(configuration)
                 _add_weighted(self.hessian, self.gradient, np.ascontiguousarray(jacobian), error)
                 damping += own_damping
-        self._diagonal += damping
+        _add_damping(self.hessian, damping)
 
     def limit(self, configuration: mink.Configuration, limits: Sequence[mink.Limit], dt: float) -> None:
         """Take the limits."""
@@ -72,18 +71,22 @@ class QuadraticProgram:
                 self._make_room(2 * end)
             self._rows[begin:end] = rows
             self._high[self._nv + begin : self._nv + end] = rooms
-        self.rows, self.rooms = self._rows[:end], self._high[self._nv : self._nv + end]
+        if end != len(self.rooms):
+            self._take(end)
 
     def solve(self) -> Array | None:
         """Return the step, shape (nv,); None if there is none."""
-        end = self._nv + len(self.rooms)
-        step, _, found, told = daqp.solve(
-            self.hessian, self.gradient, self.rows, self._high[:end], self._low[:end], self._kinds[:end]
-        )
+        step, _, found, told = daqp.solve(self.hessian, self.gradient, self.rows, *self._bounds)
         if found <= 0 or not math.isfinite(step.dot(step)):
             return None
         self.pressures = told["lam"][self._nv :]
         return np.asarray(step)
+
+    def _take(self, count: int) -> None:
+        """Take so many of the rows that there is room for."""
+        end = self._nv + count
+        self.rows, self.rooms = self._rows[:count], self._high[self._nv : end]
+        self._bounds = self._high[:end], self._low[:end], self._kinds[:end]
 
     def _make_room(self, most: int) -> None:
         """Make buffers for so many rows, whose bounds stand behind those of the step, as the solver wants it."""
@@ -94,6 +97,7 @@ class QuadraticProgram:
         self._rows, self._low, self._high = rows, low, high
         self._kinds = np.zeros(nv + most, dtype=np.intc)  # all of them inequalities
         self.low, self.high = low[:nv], high[:nv]
+        self._take(had)
 
 
 @inlined
@@ -133,3 +137,10 @@ def _add_rows(hessian: Array, gradient: Array, jacobian: Array, error: Array, co
         for i in range(len(weighted)):
             weighted[i] = cost[place] * jacobian[place, i]
         _add(hessian, gradient, weighted, cost[place] * error[place])
+
+
+@compiled("void(f8[:, ::1], f8)")
+def _add_damping(hessian: Array, damping: float) -> None:
+    """Add to the diagonal of a matrix."""
+    for dof in range(len(hessian)):
+        hessian[dof, dof] += damping

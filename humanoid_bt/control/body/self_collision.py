@@ -18,6 +18,7 @@ _NEAR = 0.02  # m beyond the margin at which two links begin to slow down
 _BRAKE_TIME = 0.05  # s in which two links that approach each other come to rest at the margin
 _PART_SPEED = 0.1  # m/s at most at which two that are nearer move apart
 _LOOKS = 3  # while no link is near another one, every third time is enough: the fastest arm gets 2 cm in between
+_FREE = mink.Constraint()  # of none that are near
 _HELD_BACK = 1e-3  # of a pull against a link; less is no obstacle: a hand at its target leans on others a little
 
 
@@ -68,7 +69,7 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         """Return how far those that are near each other may approach in ``dt``."""
         self._rests -= 1
         if self._rests > 0:
-            return mink.Constraint()
+            return _FREE
         data = configuration.data
         mujoco.mj_collision(self.model, data)
         contact = data.contact
@@ -79,7 +80,7 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         self.pressures = np.zeros(count)
         if not count:
             self._rests = _LOOKS
-            return mink.Constraint()
+            return _FREE
         mujoco.mj_makeConstraint(self.model, data)  # gives how each contact opens that is not excluded
         self._approach = -data.efc_J.reshape(-1, self.model.nv)
         return mink.Constraint(self._approach, rooms[:count])
