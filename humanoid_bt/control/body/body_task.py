@@ -168,7 +168,7 @@ class BodyTask(RowsTask):
         less and less near its target.
         """
         error = self._com_cost * self._com_error
-        return self._weights.com_damping * float(error @ error)
+        return self._weights.com_damping * float(error.dot(error))
 
     def _torso_lean(self, data: mujoco.MjData, targets: BodyTargets) -> float:
         """Return how far the torso is to lean ahead [rad]: as the eyes need it, or further where a hand bends it.

@@ -66,7 +66,7 @@ class PalmTask(RowsTask):
     def damping(self) -> float:
         """How much it damps now: less and less near the goal."""
         error = self.cost * self.error
-        return self._weights.hand_damping * float(error @ error)
+        return self._weights.hand_damping * float(error.dot(error))
 
     def _at(self, data: mujoco.MjData, side: Side) -> tuple[Array, Array]:
         """Return place and frame of a palm, shape (3,) and (3, 3)."""

@@ -95,7 +95,7 @@ class HandReference:
         error = target - self._position
         self._position = _toward(self._position, target, step)
         self._position = _toward(reference - self._correction, self._position, lead)
-        if corrects and error @ error < _CORRECT_WITHIN**2:
+        if corrects and error.dot(error) < _CORRECT_WITHIN**2:
             correction = self._correction + self._weights.hand_integral * self._dt * (self._position - measured)
             self._correction = clamp(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
@@ -249,7 +249,7 @@ def _carried(point: Array, before: Array, after: Array) -> Array:
 def _toward(point: Array, goal: Array, step: float) -> Array:
     """Return a point moved toward another by at most ``step``, shape (3,)."""
     way = goal - point
-    distance = math.sqrt(way @ way)
+    distance = math.sqrt(way.dot(way))
     return goal.copy() if distance <= step else np.asarray(point + way * (step / distance))
 
 
