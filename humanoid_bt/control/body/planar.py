@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import Array
 
 
@@ -35,9 +36,21 @@ def seen_from(pose: Array, point: Array) -> Array:
 
 def middle(left: Array, right: Array) -> Array:
     """Return the pose halfway between two."""
-    (left_x, left_y, left_yaw), (right_x, right_y, right_yaw) = left.tolist(), right.tolist()
-    yaw = left_yaw + 0.5 * wrap(right_yaw - left_yaw)
-    return np.array([0.5 * (left_x + right_x), 0.5 * (left_y + right_y), yaw])
+    pose = np.empty(3)
+    _middle(pose, left, right)
+    return pose
+
+
+@inlined
+def put_between(pose: Array, left: Array, right: Array) -> None:
+    """Write the pose halfway between two; each of shape (3,)."""
+    pose[0], pose[1] = 0.5 * (left[0] + right[0]), 0.5 * (left[1] + right[1])
+    pose[2] = left[2] + 0.5 * ((right[2] - left[2] + math.pi) % (2 * math.pi) - math.pi)
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1])")
+def _middle(pose: Array, left: Array, right: Array) -> None:
+    put_between(pose, left, right)
 
 
 def _turned(x: float, y: float, yaw: float) -> tuple[float, float]:

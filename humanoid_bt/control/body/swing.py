@@ -72,7 +72,7 @@ class Swing:
         self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
         self._ankle = np.array([_ANKLE_SHARE * half for half in sole.bears])
         self._steps = round(gait.single_support / dt)
-        self._start, self._support = start, support
+        self._start, self._support = start.copy(), support.copy()  # as they are now
         self._planned, self._dcm_end = seen_from(support, foothold), seen_from(support, dcm_end)
         self._bounds = self._reach(gait)
         self._flown = 0.0  # s
@@ -80,7 +80,7 @@ class Swing:
         self._motion = np.zeros((2, 3))  # position, velocity, acceleration along each axis
         self._motion[:, 0] = start[:2]
         self.pose: Array = start.copy()
-        self._footings = footings
+        self._footings = footings[0].copy(), footings[1].copy()
         self.footing: Array = footings[0].copy()
         self._roll = FootRoll(gait, sole, dt, start, foothold)
         self.rolled: Array = np.zeros(3)

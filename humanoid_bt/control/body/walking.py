@@ -11,9 +11,9 @@ from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.catching import Catching
 from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
 from humanoid_bt.control.body.footsteps import OTHER, FootstepPlanner
-from humanoid_bt.control.body.planar import middle, seen_from, wrap
+from humanoid_bt.control.body.planar import middle, put_between, seen_from, wrap
 from humanoid_bt.control.body.swing import Swing
-from humanoid_bt.core.compiled import compiled
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
@@ -44,8 +44,8 @@ class Walker:
     Attributes:
         gait: what the legs do.
         contact: whether each foot is meant to be on the ground.
-        foot_reference: poses of the soles (x, y, yaw), world frame.
-        foot_footing: height of each sole, and its tilt about the world's x and y, shape (3,) [m, rad].
+        foot_reference: poses of the soles (x, y, yaw), world frame; those of feet on the ground move in place.
+        foot_footing: height of each sole, and its tilt about the world's x and y, shape (3,) [m, rad]; likewise.
         stance: pose of the middle between the references of the feet, shape (3,), world frame.
         zmp_reference, dcm_reference: shape (2,), world frame [m].
         swing: the swing that is going on, if any.
@@ -91,7 +91,7 @@ class Walker:
         self.foot_footing = {side: footings[side].copy() for side in SIDES}
         self._rolled = _flat()
         self.contact = dict.fromkeys(SIDES, True)
-        self.ground = self._carrying_height()
+        self.ground = (self.foot_footing["left"].item(0) + self.foot_footing["right"].item(0)) / 2
         self.stance = self._middle()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
         self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
@@ -155,7 +155,6 @@ class Walker:
         if self.gait is Gait.STEP:
             self._step(goal, dcm, soles, foot_force, stops=stays)
         self._follow_ground(soles, footings, foot_force)
-        self.stance = self._middle()
 
     def _start_step(
         self,
@@ -293,22 +292,19 @@ class Walker:
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]
     ) -> None:
         """Let references of standing feet follow the measured feet: a jump in contact would be an impact."""
-        for side in SIDES:
-            if not self.contact[side]:
-                continue
-            loaded = foot_force[side] > self._numbers.touchdown_force
-            self._found[side] = self._found[side] or loaded
-            pose, footing = self.foot_reference[side].copy(), self.foot_footing[side].copy()
-            _follow(pose, footing, self._rolled[side], soles[side], footings[side], loaded, self._found[side], self._dt)
-            self.foot_reference[side], self.foot_footing[side] = pose, footing
-        self.ground += min(1.0, self._dt / _GROUND_TIME) * (self._carrying_height() - self.ground)
-
-    def _carrying_height(self) -> float:
-        heights = [self.foot_footing[side].item(0) for side in SIDES if self.contact[side]]
-        return sum(heights) / len(heights)
+        least, contact, found = self._numbers.touchdown_force, self.contact, self._found
+        loaded_left, loaded_right = foot_force["left"] > least, foot_force["right"] > least
+        found["left"] = found["left"] or (contact["left"] and loaded_left)
+        found["right"] = found["right"] or (contact["right"] and loaded_right)
+        poses, footing, rolled, self.stance = self.foot_reference, self.foot_footing, self._rolled, np.empty(3)
+        self.ground = _follow_ground(
+            self.stance, poses["left"], footing["left"], rolled["left"], soles["left"], footings["left"],
+            contact["left"], loaded_left, found["left"], poses["right"], footing["right"], rolled["right"],
+            soles["right"], footings["right"], contact["right"], loaded_right, found["right"], self.ground, self._dt,
+        )  # fmt: skip
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], b1, b1, f8)")
+@inlined
 def _follow(
     pose: Array,
     footing: Array,
@@ -319,16 +315,7 @@ def _follow(
     found: bool,
     dt: float,
 ) -> None:
-    """Let the references of a foot on the ground follow the foot.
-
-    Args:
-        pose, footing: the references, shape (3,); are moved.
-        rolled: what is left of the roll in ``footing``, shape (3,); becomes less.
-        sole, measured: pose and footing of the foot, shape (3,).
-        loaded: whether it carries something.
-        found: whether it has since it landed; one that bounces has: sunk and lifted by turns it would shake the robot.
-        dt: [s].
-    """
+    """Let the references of a foot on the ground follow the foot: see :func:`_follow_ground`."""
     follow, flatten, level = min(1.0, dt / _FOLLOW_TIME), min(1.0, dt / _ROLL_TIME), dt / _LEVEL_TIME
     pose[0] += follow * (sole[0] - pose[0])
     pose[1] += follow * (sole[1] - pose[1])
@@ -343,6 +330,56 @@ def _follow(
             footing[i] = min(max(footing[i] + level * (measured[i] - footing[i]), -_STEEPEST), _STEEPEST)
     elif not found:
         footing[0] -= _SINK_SPEED * dt
+
+
+@compiled(
+    "f8(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], b1, b1, b1, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " b1, b1, b1, f8, f8)"
+)
+def _follow_ground(
+    stance: Array,
+    left: Array,
+    left_footing: Array,
+    left_rolled: Array,
+    left_sole: Array,
+    left_measured: Array,
+    left_stands: bool,
+    left_loaded: bool,
+    left_found: bool,
+    right: Array,
+    right_footing: Array,
+    right_rolled: Array,
+    right_sole: Array,
+    right_measured: Array,
+    right_stands: bool,
+    right_loaded: bool,
+    right_found: bool,
+    ground: float,
+    dt: float,
+) -> float:
+    """Let the references of the feet on the ground follow the feet; return the height of the ground after it [m].
+
+    Args:
+        stance: is written: the pose of the middle between the references, shape (3,).
+        left, left_footing, right, right_footing: the references, shape (3,); are moved.
+        left_rolled, right_rolled: what is left of the roll in the footings, shape (3,); becomes less.
+        left_sole, left_measured, right_sole, right_measured: poses and footings of the feet, shape (3,).
+        left_stands, right_stands: whether each foot is on the ground; one at least is.
+        left_loaded, right_loaded: whether it carries something.
+        left_found, right_found: whether it has since it landed; one that bounces has: sunk and lifted by turns it would
+            shake the robot.
+        ground: its height before [m].
+        dt: [s].
+    """
+    if left_stands:
+        _follow(left, left_footing, left_rolled, left_sole, left_measured, left_loaded, left_found, dt)
+    if right_stands:
+        _follow(right, right_footing, right_rolled, right_sole, right_measured, right_loaded, right_found, dt)
+    put_between(stance, left, right)
+    height: float = left_footing[0] if left_stands else right_footing[0]
+    if left_stands and right_stands:
+        height = (left_footing[0] + right_footing[0]) / 2
+    return ground + min(1.0, dt / _GROUND_TIME) * (height - ground)
 
 
 def _flat() -> dict[Side, Array]:
