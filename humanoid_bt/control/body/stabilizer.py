@@ -16,7 +16,7 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 @dataclass(frozen=True)
 class Load:
-    """How the feet carry the robot.
+    """How the feet carry the robot. Its arrays stay, and are written anew in every control period.
 
     Attributes:
         share: of the weight, of the (left, right) foot, in [0, 1], shape (2,).
@@ -47,6 +47,7 @@ class Stabilizer:
     def __init__(self, gait: GaitConfig, sole: SoleConfig, mass: float, dt: float) -> None:
         self._gait, self._mass, self._dt = gait, mass, dt
         self._half = np.array(sole.bears)
+        self._load = Load(np.zeros(2), np.zeros((2, 2)), np.zeros(2), np.zeros(3))
         self.com_reference: Array = np.zeros(2)
         self.omega = 1.0
 
@@ -82,14 +83,13 @@ class Stabilizer:
             soles: measured poses, shape (3,).
             contact: whether each foot is on the ground.
         """
-        gait = self._gait
-        share, cop, zmp, force = np.empty(2), np.empty((2, 2)), np.empty(2), np.empty(3)
+        gait, load = self._gait, self._load
         _balance(
-            share, cop, zmp, force, self.com_reference, com, dcm, dcm_reference, zmp_reference, lean, momentum_rate,
-            soles["left"], soles["right"], contact["left"], contact["right"], self._half,
+            load.share, load.cop, load.zmp, load.force, self.com_reference, com, dcm, dcm_reference, zmp_reference,
+            lean, momentum_rate, soles["left"], soles["right"], contact["left"], contact["right"], self._half,
             gait.momentum_limit, gait.dcm_gain, gait.com_slide, self._mass, self.omega, self._dt,
         )  # fmt: skip
-        return Load(share, cop, zmp, force)
+        return load
 
 
 @compiled(
