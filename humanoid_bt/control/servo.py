@@ -84,9 +84,8 @@ class Servo:
             self.hold()
             return _WHY[found]
         self.clamped, self.limited = found == _CLAMPED, limited
-        position, velocity, torque = kept
-        self.position, self.setpoint = position, kept
-        self._drive(JointCommand(position, velocity, stiffness, damping, torque))
+        self.position, self.setpoint = kept[0], kept
+        self._drive(JointCommand(self.position, kept[1], stiffness, damping, kept[2]))
         if found == _IN_LIMITS:
             self._in_force = setpoint
         return ""
