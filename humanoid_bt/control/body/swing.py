@@ -312,7 +312,14 @@ class TiltCompensation:
                     weight, share, self._LIMIT,
                 )  # fmt: skip
             else:
-                self.correction[side] *= self._decay
+                _fade(self.correction[side], self._decay)
+
+
+@compiled("void(f8[::1], f8)")
+def _fade(correction: Array, share: float) -> None:
+    """Leave a share of a correction, shape (6,)."""
+    for axis in range(len(correction)):
+        correction[axis] *= share
 
 
 @compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8)")
