@@ -185,19 +185,18 @@ class PostureReference:
 
     def update(self) -> None:
         """Move back toward home."""
-        before, self.joints = self.joints, np.empty_like(self._home)
-        _move(self.joints, before, self._home, self._step)
+        _move(self.joints, self._home, self._step)
 
     def hold(self, joints: list[int], angles: Array) -> None:
         """Put some joints, by their indices, where somebody else wants them: at angles, shape (len(joints),) [rad]."""
         self.joints[joints] = angles
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8)")
-def _move(joints: Array, before: Array, goal: Array, step: float) -> None:
-    """Write joints that were moved toward a goal, each of shape (nj,), by at most ``step`` [rad]."""
+@compiled("void(f8[::1], f8[::1], f8)")
+def _move(joints: Array, goal: Array, step: float) -> None:
+    """Move joints toward a goal, each of shape (nj,), by at most ``step`` [rad]."""
     for joint in range(len(joints)):
-        joints[joint] = before[joint] + min(max(goal[joint] - before[joint], -step), step)
+        joints[joint] += min(max(goal[joint] - joints[joint], -step), step)
 
 
 class ArmReference:
