@@ -25,7 +25,7 @@ def ahead(pose: Array, x: float, y: float, yaw: float = 0.0) -> Array:
     """Return the pose that lies at (x, y, yaw) as seen from ``pose``."""
     from_x, from_y, heading = pose.tolist()
     cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([from_x + cos * x - sin * y, from_y + sin * x + cos * y, heading + yaw])
+    return np.array((from_x + cos * x - sin * y, from_y + sin * x + cos * y, heading + yaw))
 
 
 def seen_from(pose: Array, point: Array) -> Array:

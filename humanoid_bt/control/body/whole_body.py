@@ -162,7 +162,9 @@ class WholeBody:
 
     def _dcm(self) -> Array:
         """Return the measured DCM, shape (2,), world frame [m]."""
-        return self.dynamics.com[:2] + self.dynamics.com_velocity[:2] / self._stabilizer.omega
+        dynamics, omega = self.dynamics, self._stabilizer.omega
+        (x, y, _), (speed_x, speed_y, _) = dynamics.com.tolist(), dynamics.com_velocity.tolist()
+        return np.array((x + speed_x / omega, y + speed_y / omega))
 
     def _lifted(self, estimate: Estimate) -> Side | None:
         """Return the foot that is in the air while the other one carries the robot, if one is."""
@@ -284,7 +286,7 @@ class WholeBody:
         stride = 0.0 if busy else walker.stride  # stretched legs and an arm that pulls at it would make it hop
         height = self._com_height.update(wanted, measured, steps=steps, stride=stride)
         return BodyTargets(
-            com=np.array([x, y, height]),
+            com=np.array((x, y, height)),
             soles=walker.foot_reference,
             sole_footings=walker.foot_footing,
             sole_corrections=self._tilt.correction,
@@ -373,4 +375,6 @@ def _goal(targets: Mapping[str, Target]) -> Array | None:
     base = targets.get("base")
     if not isinstance(base, BaseTarget):
         return None
-    return np.array([*base.position, base.heading], dtype=float)
+    goal = np.empty(3)
+    goal[:2], goal[2] = base.position, base.heading
+    return goal
