@@ -51,7 +51,7 @@ class LeanReference:
             eyes, base: positions of the gaze site and of the pelvis, world frame, shape (3,) [m].
             heading: of the stance [rad].
         """
-        if hold:
+        if hold or (point is None and not self.torso and not self.crouch):
             return
         goal = 0.0
         if point is not None:

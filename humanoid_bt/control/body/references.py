@@ -146,7 +146,7 @@ class GazeReference:
             heading: of the stance [rad].
             axis: where the view turns to the side, shape (3,): not at the eyes if they are far ahead of it.
         """
-        if hold:
+        if hold or (point is None and not self.yaw and not self.pitch):
             return
         yaw = pitch = 0.0
         if point is not None:
@@ -295,4 +295,7 @@ class ComHeightReference:
 
 def approach(value: float, goal: float, step: float) -> float:
     """Return ``value`` moved toward ``goal`` by at most ``step``."""
-    return value + min(max(goal - value, -step), step)
+    way = goal - value
+    if way > step:
+        return value + step
+    return value - step if way < -step else value + way
