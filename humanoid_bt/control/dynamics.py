@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
@@ -75,10 +76,10 @@ class RobotDynamics:
         self.footings: dict[Side, Array] = {"left": rows[6], "right": rows[7]}
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
-        self._kept = (  # what :func:`_update` is called with each time
-            rows, self._tilt, *self.addresses, data.qpos, self.bias, data.qfrc_spring, data.subtree_com[self._base],
-            data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
-            robot.config.feet_roll,
+        self._update = _update.bind(
+            rows, self._tilt, *self.addresses, data.qpos, data.qvel, self.bias, data.qfrc_spring,
+            data.subtree_com[self._base], data.subtree_linvel[self._base], data.site_xpos, data.site_xmat,
+            np.array(list(self._sole.values())), robot.config.feet_roll,
         )  # fmt: skip
         self._seen: tuple[Any, ...] = (  # likewise of :func:`_copy_sites`
             data.site_xpos, data.site_xmat, gaze, np.array(list(self._palm.values()), np.int64),
@@ -87,8 +88,7 @@ class RobotDynamics:
 
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
-        self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
-        _update(*self._kept)
+        self._update(estimate.qpos, estimate.qvel)
         self.roll, self.pitch = self._tilt.tolist()
 
     @property
@@ -167,16 +167,20 @@ def _copy_sites(
         mul_quat(turns[hand].ctypes, turn.ctypes, palm_turns[hand].ctypes)
 
 
-@compiled(
-    "void(f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], i8[::1],"
-    " b1)"
+@bindable(
+    "void(f8[::1], f8[::1])",
+    "f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1],"
+    " i8[::1], b1",
 )
 def _update(
+    coordinates: Array,
+    speeds: Array,
     rows: Array,
     tilt: Array,
     model: int,
     data: int,
     qpos: Array,
+    qvel: Array,
     bias: Array,
     springs: Array,
     com: Array,
@@ -192,14 +196,16 @@ def _update(
     turned from level.
 
     Args:
+        coordinates, speeds: of the estimate.
         rows: are written: centre of mass, its velocity, and of both soles positions, then poses, then footings.
         tilt: is written: roll and pitch of the base [rad].
         model, data: addresses of MuJoCo's.
-        qpos, bias, springs, com, com_velocity: views of data; all but the first are written.
+        qpos, qvel, bias, springs, com, com_velocity: views of data; all are written.
         places, turns: positions and rotation matrices of all sites, likewise, shapes (n, 3) and (n, 9).
         soles: which of these are soles.
         feet_roll: whether a joint rolls the feet.
     """
+    qpos[:], qvel[:] = coordinates, speeds
     kinematics(model, data)
     com_pos(model, data)
     make_m(model, data)

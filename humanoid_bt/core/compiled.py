@@ -29,7 +29,7 @@ _R = TypeVar("_R")
 _NOTICED = 0.5  # s that nobody waits for a function that is loaded
 
 _STAMPS: dict[int, str] = {}
-"""Of the inlined functions: what changes with them."""
+"""Of what is part of compiled functions: what changes with it."""
 
 
 def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
@@ -56,8 +56,13 @@ def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function as a part of compiled ones that call it, for whatever types they call it with."""
     done = _jit(function)
-    _STAMPS[id(done)] = _hash(Path(function.__code__.co_filename).read_text(encoding="utf-8"), _taken(function))
+    stamp(done, function)
     return done
+
+
+def stamp(part: object, function: Callable[..., object]) -> None:
+    """Let code that has some part be made anew once the file changes of the function that the part is made from."""
+    _STAMPS[id(part)] = _hash(Path(function.__code__.co_filename).read_text(encoding="utf-8"), _taken(function))
 
 
 def _jit(function: Callable[_P, _R], signature: str | None = None) -> Callable[_P, _R]:

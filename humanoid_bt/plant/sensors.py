@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
-from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.plant.sensor_failures import FAILURES, FOOT_SENSORS
 from humanoid_bt.robot.sensor_config import SensorsConfig
@@ -61,7 +61,7 @@ class Sensors:
         self._count = 0
         self._failures: dict[str, tuple[slice | list[int], str]] = {}
         self._last: Array = self._rows[0].copy()
-        self._senses = (  # what :func:`_sense` is called with in each cycle
+        self._sense = _sense.bind(
             self._rows, self._borne, self._pose, self._velocity_now, self._velocity, data.actuator_force,
             model.actuator_forcerange, model.actuator_biasprm, self._turned, -float(model.opt.gravity[2]),
             self._errors, self._finest,
@@ -111,7 +111,7 @@ class Sensors:
             self._borne[:] = [abs(force.item()) for force in self._feet]
         row = self._count % len(self._rows)
         self._count += 1
-        _sense(row, place, *self._senses)
+        self._sense(row, place)
         if self._failures:
             self._spoil(self._rows[row])
 
@@ -163,9 +163,10 @@ class Sensors:
         np.copyto(into.values, self._rows[self._count % len(self._rows)])
 
 
-@compiled(
-    "void(i8, i8, f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8,"
-    " f8[:, ::1], f8[::1])"
+@bindable(
+    "void(i8, i8)",
+    "f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8, f8[:, ::1],"
+    " f8[::1]",
 )
 def _sense(
     at: int,

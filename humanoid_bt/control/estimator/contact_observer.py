@@ -10,6 +10,7 @@ import numpy as np
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.estimator.small_matrices import factored, solved
 from humanoid_bt.control.jacobians import Indices, chains, point_moves
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, palm_site
@@ -60,18 +61,17 @@ class ContactObserver:
         palms = np.array(list(self._palms.values()), dtype=np.int64)
         self._places = dynamics.motions, dynamics.origin, data.site_xpos, palms, data.xipos[torso], self._links
         size = 3 * len(groups)
-        self._jacobian, self._before = np.zeros((2, size, model.nv))
-        self._pushed = np.zeros(model.nv)
-        self._square = np.zeros((size, size))
+        self._jacobian = np.zeros((size, model.nv))
         self._force: Array = np.zeros(size)
         self._carried: Array = np.zeros(len(groups))  # kg
         self._learn_time = _LEARN_TIMES[0]
         self.residual: Array = np.zeros(model.nv)
         self.forces: dict[str, Array] = {group: self._force[3 * at : 3 * at + 3] for at, group in enumerate(groups)}
         self._learns: Array = np.ones(len(groups))
-        self._kept = (  # what :func:`_observe` is called with each time
-            *dynamics.addresses, self.residual, self._force, self._carried, self._learns, dynamics.bias,
-            self._damping, data.qvel, *self._places, self._pushed, self._square,
+        self._observe = _observe.bind(
+            self._jacobian, np.zeros_like(self._jacobian), *dynamics.addresses, self.residual, self._force,
+            self._carried, self._learns, dynamics.bias, self._damping, data.qvel, *self._places,
+            np.zeros(model.nv), np.zeros((size, size)),
         )  # fmt: skip
 
     def reset(self) -> None:
@@ -99,9 +99,8 @@ class ContactObserver:
             torque: of the joints, on average, shape (nj,) [Nm].
             time: [s].
         """
-        self._before, self._jacobian = self._jacobian, self._before
         self._learn_time = min(self._learn_time + time, _LEARN_TIMES[1])  # an average, at first
-        _observe(acceleration, torque, time, self._learn_time, self._jacobian, self._before, *self._kept)
+        self._observe(acceleration, torque, time, self._learn_time)
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
@@ -175,10 +174,10 @@ def _weigh(jacobian: Array, residual: Array, links: Indices, base: int, force: A
                 square[row, column] += moves * jacobian[column, dof]
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1], i8, i8,"
-    " f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
+@bindable(
+    "void(f8[::1], f8[::1], f8, f8)",
+    "f8[:, ::1], f8[:, ::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], f8[::1], i8[:, ::1], f8[::1], f8[:, ::1]",
 )
 def _observe(
     acceleration: Array,
@@ -210,7 +209,7 @@ def _observe(
     Args:
         acceleration, torque, time: as there.
         learn_time: in which it is learnt what is carried [s].
-        jacobian, before: of the points, now, which is written, and the time before.
+        jacobian, before: of the points, now and the time before; are written.
         model, data: addresses of MuJoCo's.
         residual, force, carried: are brought up to date.
         learns: 1 for groups of which it is learnt what they carry, 0 for others.
@@ -218,6 +217,7 @@ def _observe(
         motions, origin, sites, palms, torso, links: as :func:`_look` wants them.
         pushed, square: are written.
     """
+    before[:] = jacobian
     _look(motions, origin, sites, palms, torso, links, jacobian)
     size, base = len(force), len(residual) - len(torque)
     mul_m(model, data, pushed.ctypes, acceleration.ctypes)

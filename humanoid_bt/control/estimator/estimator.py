@@ -14,6 +14,7 @@ from humanoid_bt.control.estimator.foot_load import FootLoad
 from humanoid_bt.control.estimator.ground import Ground
 from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp, yaw_of
@@ -86,7 +87,7 @@ class Estimator:
         self._acceleration: Array = np.zeros(BASE_DOFS + joints)
         self._base_acceleration = self._acceleration[:3]
         belief = self._filter
-        self._believed = (  # what :func:`_believe` is called with each time
+        self._believe = _believe.bind(
             qpos, qvel, self.estimate.joint_torque, self._velocity_before, self._acceleration,
             belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
         )  # fmt: skip
@@ -191,7 +192,7 @@ class Estimator:
         belief.predict(self._turning, self._specific_force, time)
         if missed:
             self._retake_tilt(reading)
-        _believe(self._turning if doubtful else reading.gyro, reading.values, time, *self._believed)
+        self._believe(self._turning if doubtful else reading.gyro, reading.values, time)
         if watch.any_bad:
             self._stand_in(setpoint, time)
         dynamics.update(estimate)
@@ -414,7 +415,9 @@ def _average(sums: Array, count: int, means: Array) -> bool:
     return math.isfinite(total)
 
 
-@compiled("void(f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+@bindable(
+    "void(f8[::1], f8[::1], f8)", "f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1]"
+)
 def _believe(
     rate: Array,
     values: Array,

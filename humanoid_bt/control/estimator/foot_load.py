@@ -6,7 +6,7 @@ import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.jacobians import Indices, chains, point_moves
-from humanoid_bt.core.compiled import compiled
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, sole_site
 from humanoid_bt.robot.mujoco_functions import mul_m
@@ -42,7 +42,7 @@ class FootLoad:
         self.force: Array = np.zeros(2)
         self.standing = [True, True]
         soles = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
-        self._kept = (  # what :func:`_explain` is called with each time
+        self._explain = _explain.bind(
             robot.mass, *dynamics.addresses, self.force, dynamics.bias, robot.model.dof_damping.copy(),
             dynamics.motions, dynamics.origin, dynamics.data.site_xpos, soles, _legs(robot),
             np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)), np.zeros(2),
@@ -66,7 +66,7 @@ class FootLoad:
             torque: of the joints, shape (nj,) [Nm].
             rises: how the base accelerates upward by its accelerometer [m/s^2].
         """
-        _explain(velocity, acceleration, torque, rises, *self._kept)
+        self._explain(velocity, acceleration, torque, rises)
         self._judge()
 
     def _judge(self) -> None:
@@ -76,9 +76,10 @@ class FootLoad:
         self.standing[1] = right > (unloaded if right_stands else loaded)
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1], f8[::1])"
+@bindable(
+    "void(f8[::1], f8[::1], f8[::1], f8)",
+    "f8, i8, i8, f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1], f8[::1]",
 )
 def _explain(
     velocity: Array,

@@ -17,6 +17,7 @@ import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY
 from humanoid_bt.control.estimator.small_matrices import measured, times, turn
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import Array
 
@@ -102,10 +103,11 @@ class InvariantFilter:
         self._spread = np.zeros((_ROWS, _ROWS))
         self._doubt: Array = np.full(_ROWS, noise.foot**2)
         self._doubt[6:8], self._doubt[8:] = noise.heading**2, noise.ground**2
-        self._doubted = (  # what :func:`_doubt` is called with each time
+        self._predict = _predict.bind(self._state, self.quaternion, self._turn, self.acceleration)
+        self._doubt_more = _doubt.bind(
             self._covariance, self._transition, self._state, self._turn, self._growth, self._lever, self._scratch,
         )  # fmt: skip
-        self._corrected = (  # what :func:`_correct` is called with each time
+        self._correct = _correct.bind(
             self._state, self._covariance, self.quaternion, self._turn, self._measures, self._doubt, self._lever,
             self._innovation, self._spread,
         )  # fmt: skip
@@ -179,7 +181,7 @@ class InvariantFilter:
             force: specific force, which is what an accelerometer measures, base frame, shape (3,) [m/s^2].
             time: [s].
         """
-        _predict(self._state, self.quaternion, self._turn, self.acceleration, rate, force, time)
+        self._predict(rate, force, time)
 
     def doubt(self, time: float, slip: tuple[float, float]) -> None:
         """Let the covariance grow by what predictions over a time [s] add to it.
@@ -191,7 +193,7 @@ class InvariantFilter:
         if time != self._time:
             self._set_time(time)
         noise = self._noise
-        _doubt(time, *slip, noise.slip, noise.twist, noise.gyro**2 * time, *self._doubted)
+        self._doubt_more(time, *slip, noise.slip, noise.twist, noise.gyro**2 * time)
 
     def _set_time(self, time: float) -> None:
         noise, transition, growth = self._noise, self._transition, self._growth
@@ -228,10 +230,9 @@ class InvariantFilter:
             standing: whether each foot is on the ground.
             ground: how high that is under each [m].
         """
-        _correct(
-            feet, headings[0], headings[1], standing[0], standing[1], ground[0], ground[1], self._noise.ground**2,
-            *self._corrected,
-        )  # fmt: skip
+        self._correct(
+            feet, headings[0], headings[1], standing[0], standing[1], ground[0], ground[1], self._noise.ground**2
+        )
 
 
 @compiled("void(f8[:, ::1], f8[:, ::1])")
@@ -242,9 +243,9 @@ def _symmetric(whole: Array, part: Array) -> None:
             part[i, j] = (whole[i, j] + whole[j, i]) / 2
 
 
-@compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8)")
+@bindable("void(f8[::1], f8[::1], f8)", "f8[::1], f8[::1], f8[:, ::1], f8[::1]")
 def _predict(
-    state: Array, quaternion: Array, turned: Array, acceleration: Array, rate: Array, force: Array, time: float
+    rate: Array, force: Array, time: float, state: Array, quaternion: Array, turned: Array, acceleration: Array
 ) -> None:
     """See :meth:`InvariantFilter.predict`."""
     wx, wy, wz = rate[0] - state[12], rate[1] - state[13], rate[2] - state[14]
@@ -284,7 +285,9 @@ def _cross(state: Array, lever: Array) -> None:
         lever[row + 2, 0], lever[row + 2, 1] = -y, x
 
 
-@compiled("void(f8, f8, f8, f8, f8, f8, f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1])")
+@bindable(
+    "void(f8, f8, f8, f8, f8, f8)", "f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1]"
+)
 def _doubt(
     time: float,
     left_slip: float,
@@ -339,9 +342,9 @@ def _doubt(
         covariance[i, i] += growth[i]
 
 
-@compiled(
-    "void(f8[:, ::1], f8, f8, b1, b1, f8, f8, f8, f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1],"
-    " f8[:, ::1], f8[:, ::1], f8[:, ::1])"
+@bindable(
+    "void(f8[:, ::1], f8, f8, b1, b1, f8, f8, f8)",
+    "f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1]",
 )
 def _correct(
     feet: Array,

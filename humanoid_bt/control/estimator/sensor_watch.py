@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from humanoid_bt.control.estimator.sensor_limits import SensorLimits
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Reading
 from humanoid_bt.robot.model import RobotModel
@@ -65,7 +66,7 @@ class SensorWatch:
         self._found: list[str] = []  # what failed in this look, for people
         self.fault = ""
         limits = self._limits
-        self._kept = (  # what :func:`_usual` is called with each time
+        self._is_usual = _usual.bind(
             self._before.values, limits.most.values, limits.least, self._moved.values, self._mean, limits.most.imu,
             self._leap, limits.rates, self._turned[0], self._still, limits.feet,
         )  # fmt: skip
@@ -108,7 +109,7 @@ class SensorWatch:
             time: since then [s].
             upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
         """
-        usual = _usual(reading.values, rates, time, *self._kept)
+        usual = self._is_usual(reading.values, rates, time)
         if self.suspicious or not usual:
             self._look_closer(reading, rates, time, upright)
         self._before.values[:] = reading.values
@@ -238,9 +239,9 @@ class SensorWatch:
         self._doubt_joints(silent | wrong)
 
 
-@compiled(
-    "b1(f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[::1], f8[::1], f8[::1])"
+@bindable(
+    "b1(f8[::1], f8[::1], f8)",
+    "f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1]",
 )
 def _usual(
     values: Array,
