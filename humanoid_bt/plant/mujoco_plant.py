@@ -50,7 +50,7 @@ class MujocoPlant:
         self._nq = BASE_COORDINATES + joints
         self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
         self.touches = Touches(self.model, robot.config)
-        feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
+        feet = [int(self.model.sensor(foot_sensor(side)).adr[0]) + 2 for side in SIDES]  # upward
         self._sensors = Sensors(robot.config.sensors, self.model, self.data, joints, feet)
         self._kept = (  # what :func:`_truth` is called with each time
             self.model._address, self.data._address, self.data.qpos, self.data.site_xpos, self.data.site_xmat,

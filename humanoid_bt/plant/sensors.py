@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
@@ -28,7 +29,7 @@ class Sensors:
         config: what they are like.
         model, data: MuJoCo's, of the robot in its scene; the robot's coordinates come first.
         joints: how many the robot has.
-        feet: views of what the (left, right) foot bears, of either sign, each of shape (1,) [N].
+        feet: where MuJoCo's ``sensordata`` has what the (left, right) foot bears, of either sign [N].
 
     Attributes:
         encoder_error: what each encoder is off besides that, from the next :meth:`reset` on, shape (nj,) [rad].
@@ -36,36 +37,37 @@ class Sensors:
     """
 
     def __init__(
-        self, config: SensorsConfig, model: mujoco.MjModel, data: mujoco.MjData, joints: int, feet: Sequence[Array]
+        self, config: SensorsConfig, model: mujoco.MjModel, data: mujoco.MjData, joints: int, feet: Sequence[int]
     ) -> None:
-        self._config, self._joints, self._feet = config, joints, feet
-        self._velocity_now, self._pose = data.qvel[: 6 + joints], data.qpos[3 : 7 + joints]
-        self._borne: Array = np.zeros(2)
+        self._config, self._joints = config, joints
+        self._velocity_now = data.qvel[: 6 + joints]
         self._joint_positions = slice(6, 6 + joints)
         self._imu = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
         self._imu["gyro"] = slice(9 + joints, 12 + joints)
-        self._feels = config.foot_force is not None
-        self._soles = {name: slice(foot, foot + 1) for foot, name in enumerate(FOOT_SENSORS) if self._feels}
+        feels = config.foot_force is not None
+        self._soles = {name: slice(foot, foot + 1) for foot, name in enumerate(FOOT_SENSORS) if feels}
         self._noise, self._bias, resolution = self._described()
-        self._finest = np.maximum(resolution, _FINEST)
         self._delay = cycles(config.delay)
         self._rows = np.zeros((self._delay + 1, len(self._noise)))
         self._velocity: Array = np.zeros(6 + joints)
         self._random = np.random.default_rng(0)
         self._offset: Array = np.zeros(len(self._noise))
-        self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
         self._drift = 0.0
         self._tilt = 0.0, 0.0
-        self._turned: Array = np.eye(4)
         self.encoder_error, self.encoder_bias = np.zeros(joints), np.zeros(joints)
         self._count = 0
         self._failures: dict[str, tuple[slice | list[int], str]] = {}
         self._last: Array = self._rows[0].copy()
+        self._errors: Array = np.zeros((_BLOCK, len(self._noise)))
+        turned = np.eye(4)
+        self._turn = _turn.bind(turned)
         self._sense = _sense.bind(
-            self._rows, self._borne, self._pose, self._velocity_now, self._velocity, data.actuator_force,
-            model.actuator_forcerange, model.actuator_biasprm, self._turned, -float(model.opt.gravity[2]),
-            self._errors, self._finest,
+            self._rows, data.sensordata, np.array(feet if feels else [], np.int64), data.qpos[3 : 7 + joints],
+            self._velocity_now, self._velocity, data.actuator_force, model.actuator_forcerange, model.actuator_biasprm,
+            turned, -float(model.opt.gravity[2]), self._errors, self._noise, self._offset,
+            np.maximum(resolution, _FINEST),
         )  # fmt: skip
+        self._read = _read.bind(self._rows)
 
     def _described(self) -> tuple[Array, Array, Array]:
         """Return the standard deviations of noise and bias and the resolution of every number."""
@@ -89,7 +91,7 @@ class Sensors:
     def reset(self, random: np.random.Generator) -> None:
         """Begin a run with a robot at rest: what is off is drawn anew."""
         self._random = random
-        self._offset = random.standard_normal(len(self._offset)) * self._bias
+        self._offset[:] = random.standard_normal(len(self._offset)) * self._bias
         self.encoder_bias = self._offset[self._joint_positions]
         self.encoder_bias += self.encoder_error
         tilt = self._config.orientation.bias
@@ -104,23 +106,14 @@ class Sensors:
 
     def sense(self) -> None:
         """Measure what is true now; call it once a servo cycle."""
-        place = self._count % _BLOCK
-        if place == 0:
-            self._draw()
-        if self._feels:
-            self._borne[:] = [abs(force.item()) for force in self._feet]
-        row = self._count % len(self._rows)
-        self._count += 1
-        self._sense(row, place)
+        count = self._count
+        if count % _BLOCK == 0:
+            self._random.standard_normal(out=self._errors)
+            self._turn(*self._tilt, self._drift * count * SERVO_PERIOD)
+        self._sense(count)
+        self._count = count + 1
         if self._failures:
-            self._spoil(self._rows[row])
-
-    def _draw(self) -> None:
-        """Draw what is off in the next servo cycles."""
-        errors = self._random.standard_normal(out=self._errors)
-        errors *= self._noise
-        errors += self._offset
-        self._turned[:] = _turn(*self._tilt, self._drift * self._count * SERVO_PERIOD)
+            self._spoil(self._rows[count % len(self._rows)])
 
     def fail(self, sensor: str, how: str, joints: Sequence[str]) -> None:
         """Let a sensor fail until :meth:`reset`.
@@ -160,19 +153,30 @@ class Sensors:
 
     def read(self, into: Reading) -> None:
         """Copy what they say now, which was so a while ago."""
-        np.copyto(into.values, self._rows[self._count % len(self._rows)])
+        self._read(self._count, into.values)
+
+
+@bindable("void(f8, f8, f8)", "f8[:, ::1]")
+def _turn(roll: float, pitch: float, yaw: float, turned: Array) -> None:
+    """Write the matrix, shape (4, 4), that turns a quaternion by a small tilt, and then about the vertical [rad]."""
+    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
+    x, y = (w * roll - z * pitch) / 2, (w * pitch + z * roll) / 2
+    turned[0, 0], turned[0, 1], turned[0, 2], turned[0, 3] = w, -x, -y, -z
+    turned[1, 0], turned[1, 1], turned[1, 2], turned[1, 3] = x, w, -z, y
+    turned[2, 0], turned[2, 1], turned[2, 2], turned[2, 3] = y, z, w, -x
+    turned[3, 0], turned[3, 1], turned[3, 2], turned[3, 3] = z, -y, x, w
 
 
 @bindable(
-    "void(i8, i8)",
-    "f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8, f8[:, ::1],"
-    " f8[::1]",
+    "void(i8)",
+    "f8[:, ::1], f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8,"
+    " f8[:, ::1], f8[::1], f8[::1], f8[::1]",
 )
 def _sense(
-    at: int,
-    place: int,
+    count: int,
     rows: Array,
-    borne: Array,
+    forces: Array,
+    feet: NDArray[np.int64],
     pose: Array,
     velocity: Array,
     before: Array,
@@ -182,15 +186,17 @@ def _sense(
     turned: Array,
     gravity: float,
     errors: Array,
+    noise: Array,
+    offset: Array,
     finest: Array,
 ) -> None:
     """Write what the sensors say in the order of :class:`~humanoid_bt.core.messages.Reading`; note the velocity.
 
     Args:
-        at: the row that is written.
-        place: the row of the errors that counts.
+        count: of servo cycles before; the next one of the rows is written, with the next one of the errors.
         rows: of what the sensors say.
-        borne: what the feet bear, shape (2,) [N].
+        forces, feet: MuJoCo's sensors, and where among them is what each foot bears, of either sign [N]; nowhere if no
+            sensor says it.
         pose: quaternion of the base, and the joints, shape (4 + nj,).
         velocity: of the base, world frame, [m/s], its angular velocity in its own frame, and that of the joints
             [rad/s], shape (6 + nj,).
@@ -201,17 +207,19 @@ def _sense(
         drives: MuJoCo's parameters of each joint's drive; the third is the torque for its velocity [Nm s/rad].
         turned: turns a quaternion by what the IMU's own filter is off, shape (4, 4).
         gravity: upward [m/s^2].
-        errors: rows of what is added.
-        finest: resolutions.
+        errors: rows of random numbers.
+        noise, offset, finest: of every number the standard deviation, what it is off, and its resolution.
     """
-    joints, row = len(torques), rows[at]
+    joints, row, error = len(torques), rows[count % len(rows)], errors[count % len(errors)]
     force = 6 + joints
     for i in range(joints):
         row[6 + i] = pose[4 + i]
         row[6 + force + joints + i] = torques[i]
         if limits[i, 0] < torques[i] < limits[i, 1]:
             row[6 + force + joints + i] += drives[i, 2] * (velocity[6 + i] - before[6 + i])
-    row[:2] = borne
+    row[:2] = 0.0
+    for foot in range(len(feet)):
+        row[foot] = abs(forces[feet[foot]])
     for i in range(4):
         row[2 + i] = turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]
     a = (velocity[0] - before[0]) / SERVO_PERIOD
@@ -226,11 +234,10 @@ def _sense(
     row[force + 3 : 6 + force] = velocity[3:6]
     row[6 + force : 6 + force + joints] = velocity[6:]
     for i in range(len(row)):
-        row[i] = np.rint((row[i] + errors[place, i]) / finest[i]) * finest[i]
+        row[i] = np.rint((row[i] + (error[i] * noise[i] + offset[i])) / finest[i]) * finest[i]
 
 
-def _turn(roll: float, pitch: float, yaw: float) -> Array:
-    """Return the matrix, shape (4, 4), that turns a quaternion by a small tilt, and then about the vertical [rad]."""
-    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
-    x, y = (w * roll - z * pitch) / 2, (w * pitch + z * roll) / 2
-    return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+@bindable("void(i8, f8[::1])", "f8[:, ::1]")
+def _read(count: int, values: Array, rows: Array) -> None:
+    """Write what the sensors said first of all that the rows have, after so many servo cycles."""
+    values[:] = rows[count % len(rows)]
