@@ -43,6 +43,7 @@ class RobotDynamics:
         sides: those with a hand.
         com, com_velocity: shape (3,) [m], [m/s].
         sole_positions: of the (left, right) sole, shape (2, 3) [m].
+        sole_headings: yaw of both, shape (2,) [rad].
         soles: poses (x, y, yaw) of the soles.
         footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
@@ -71,6 +72,7 @@ class RobotDynamics:
         self.com: Array = rows[0]
         self.com_velocity: Array = rows[1]
         self.sole_positions: Array = rows[2:4]
+        self.sole_headings: Array = rows[4:6, 2]
         self.soles: dict[Side, Array] = {"left": rows[4], "right": rows[5]}
         self._sole_headings: Array = rows[4:6, 2]
         self.footings: dict[Side, Array] = {"left": rows[6], "right": rows[7]}

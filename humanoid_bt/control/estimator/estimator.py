@@ -16,9 +16,8 @@ from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, In
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.clock import SERVO_PERIOD
-from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp, yaw_of
-from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
+from humanoid_bt.core.messages import Array, Estimate, Reading
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _TURNS = 3  # updates from one correction to the next
@@ -72,7 +71,6 @@ class Estimator:
         self._ground = Ground()
         self._sole_heights: Array = dynamics.sole_positions[:, 2]
         self._feels = sensors.foot_force is not None
-        self._rolls_below = _ROLLS_BELOW * robot.mass * GRAVITY
         self.estimate = Estimate(
             0.0, np.zeros(BASE_COORDINATES + joints), np.zeros(BASE_DOFS + joints), np.zeros(joints), self.load.force
         )
@@ -93,6 +91,8 @@ class Estimator:
         )  # fmt: skip
         self._sums: Array = np.zeros(len(Reading(joints).rates))  # of what was heard since the last update
         self._means: Array = np.zeros_like(self._sums)
+        self._hear = _hear.bind(self._sums)
+        self._average = _average.bind(self._sums, self._means)
         self._imu, self._torque = self._means[:6], self._means[-joints:]
         self._specific_force, self._turning = self._imu[:3], self._imu[3:]
         self._force: Array = np.zeros(3)  # what the accelerometer said last when it was not doubted [m/s^2]
@@ -105,7 +105,10 @@ class Estimator:
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
         self._stands_for = [_STEADY, _STEADY]  # s, of each foot
-        self._slides_for = [0.0, 0.0]  # s, likewise
+        self._slides_for: Array = np.zeros(2)  # s, likewise
+        self._slips = _slips.bind(
+            dynamics.sole_positions, belief.feet, self._slides_for, self.load.force, _ROLLS_BELOW * robot.mass * GRAVITY
+        )
         self._least_upright = math.cos(robot.config.fall.tilt)
 
     def reset(self, reading: Reading, place: tuple[float, float, float]) -> None:
@@ -140,7 +143,8 @@ class Estimator:
         self._said = None
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
-        self._stands_for, self._slides_for = [_STEADY, _STEADY], [0.0, 0.0]
+        self._stands_for = [_STEADY, _STEADY]
+        self._slides_for[:] = 0.0
         self._since = self._turn = 0
         self._missed = self._waited = self._gap = 0
         self._correct()
@@ -150,7 +154,7 @@ class Estimator:
         """Hear what the sensors say, once a servo cycle; a new reading stands for all the time that it tells of."""
         passed = reading.passed
         if passed == 1 and not self._waited:
-            self._sums += reading.rates
+            self._hear(reading.rates)
             self.heard += 1
         elif passed:
             self._gap = max(self._gap, self._waited + 1, passed)
@@ -180,7 +184,7 @@ class Estimator:
         estimate, dynamics, belief, watch = self.estimate, self._dynamics, self._filter, self.watch
         heard, missed = self.heard, self._missed
         time = (heard + missed) * SERVO_PERIOD
-        finite = _average(self._sums, heard, self._means)
+        finite = self._average(heard)
         self._watch(reading, time)
         if watch.doubted:
             finite = math.isfinite(sum(self._imu.tolist()))
@@ -314,7 +318,7 @@ class Estimator:
 
     def _correct(self) -> None:
         dynamics = self._dynamics
-        headings = [dynamics.soles[side].item(2) for side in SIDES]
+        headings = dynamics.sole_headings.tolist()
         self._filter.correct(dynamics.sole_positions, headings, self.load.standing, self._ground.heights)
 
     def _note_contact(self, time: float) -> None:
@@ -374,37 +378,27 @@ class Estimator:
         """Return how much each sole may have moved since doubt grew last, as times the slip of a loaded one."""
         if self._still > _STILL_AFTER:
             return _STILL, _STILL
-        landed = self._since * SERVO_PERIOD + _LANDS
-        slides = self._note_sliding()
-        left, right = (
-            FREE if stands_for < landed or slid else _ROLLING if force < self._rolls_below else 1.0
-            for force, stands_for, slid in zip(self.load.force.tolist(), self._stands_for, slides, strict=True)
-        )
-        return left, right
-
-    def _note_sliding(self) -> list[bool]:
-        """Return which soles slide on the ground: the base does not move as it would if they stayed."""
-        time = self._since * SERVO_PERIOD
-        ways = self._filter.slides(self._dynamics.sole_positions)
         surely = not (self.watch.suspicious or self.watch.failed)  # else it may be the IMU that is wrong
-        self._slides_for = [
-            before + time if surely and stands and way > _SLIDES * time else 0.0
-            for before, way, stands in zip(self._slides_for, ways, self.load.standing, strict=True)
-        ]
-        return [0.0 < slides_for < _SLIDES_FOR for slides_for in self._slides_for]
+        return self._slips(self._since * SERVO_PERIOD, surely, *self.load.standing, *self._stands_for)
 
     def _clear(self) -> None:
         self._sums[:] = 0.0
         self.heard = 0
 
 
-@compiled("b1(f8[::1], i8, f8[::1])")
-def _average(sums: Array, count: int, means: Array) -> bool:
+@bindable("void(f8[::1])", "f8[::1]")
+def _hear(rates: Array, sums: Array) -> None:
+    """Add what a reading says to sums."""
+    sums += rates
+
+
+@bindable("b1(i8)", "f8[::1], f8[::1]")
+def _average(count: int, sums: Array, means: Array) -> bool:
     """Write the means of what was summed up so often, begin a new sum, and return whether those of the IMU are finite.
 
     Args:
-        sums, means: of readings' rates, the IMU's first.
         count: of readings.
+        sums, means: of their rates, the IMU's first.
     """
     total = 0.0
     for place in range(len(sums)):
@@ -452,6 +446,44 @@ def _believe(
     joint_torque[:] = values[12 + 2 * joints :]
     for dof in range(len(qvel)):
         acceleration[dof] = (qvel[dof] - before[dof]) / time
+
+
+@bindable("UniTuple(f8, 2)(f8, b1, b1, b1, f8, f8)", "f8[:, ::1], f8[:, ::1], f8[::1], f8[::1], f8")
+def _slips(
+    time: float,
+    surely: bool,
+    left_stands: bool,
+    right_stands: bool,
+    left_stands_for: float,
+    right_stands_for: float,
+    soles: Array,
+    before: Array,
+    slides_for: Array,
+    force: Array,
+    rolls_below: float,
+) -> tuple[float, float]:
+    """Return how much each sole may have moved; one that slides on the ground, as one in the air.
+
+    A sole slides if the base does not move as it would if that sole stayed.
+
+    Args:
+        time: since they were asked for last [s].
+        surely: whether it is not the IMU that may be wrong.
+        left_stands, right_stands, left_stands_for, right_stands_for: whether they stand, and for how long [s].
+        soles, before: where they seem to be, and were corrected last, world frame, shape (2, 3) [m].
+        slides_for: for how long they have slid is brought up to date, shape (2,) [s].
+        force: on them, shape (2,) [N].
+        rolls_below: force of one that rolls [N].
+    """
+    slips = (0.0, 0.0)
+    for foot in range(2):
+        stands, stands_for = (right_stands, right_stands_for) if foot else (left_stands, left_stands_for)
+        way = math.hypot(soles[foot, 0] - before[foot, 0], soles[foot, 1] - before[foot, 1])
+        moves = surely and stands and way > _SLIDES * time
+        slides_for[foot] = slides_for[foot] + time if moves else 0.0
+        free = stands_for < time + _LANDS or 0.0 < slides_for[foot] < _SLIDES_FOR
+        slips = slips[1], FREE if free else _ROLLING if force[foot] < rolls_below else 1.0
+    return slips
 
 
 def _turned(quaternion: Array, yaw: float) -> Array:

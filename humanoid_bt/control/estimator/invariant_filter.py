@@ -71,6 +71,7 @@ class InvariantFilter:
     Attributes:
         quaternion: of the base, shape (4,).
         velocity, position: of the base, world frame, shape (3,) [m/s], [m].
+        feet: of the soles, as they were corrected last, world frame, shape (2, 3) [m].
         gyro_bias, accelerometer_bias: base frame, shape (3,) [rad/s], [m/s^2].
         acceleration: of the base by the accelerometer in the last prediction, world frame, shape (3,) [m/s^2].
     """
@@ -82,7 +83,7 @@ class InvariantFilter:
         self._turn = self._turn9.reshape(3, 3)
         self._state: Array = np.zeros(_SIZE - 3)  # all but the orientation, in the error's order
         points = self._state[:12].reshape(4, 3)
-        self.velocity, self.position, self._feet = points[0], points[1], points[2:]
+        self.velocity, self.position, self.feet = points[0], points[1], points[2:]
         self._heights = self._state[5:12:3]  # of base and feet
         self.gyro_bias, self.accelerometer_bias = self._state[12:15], self._state[15:18]
         self.acceleration: Array = np.zeros(3)
@@ -211,14 +212,6 @@ class InvariantFilter:
         """Count heights from a ground that is higher by so much [m]."""
         self._heights -= way
 
-    def slides(self, feet: Array) -> tuple[float, float]:
-        """Return how far each foot seems to have slid since the last correction, in the plane [m].
-
-        Args:
-            feet: as in :meth:`correct`.
-        """
-        return _slides(feet, self._feet)
-
     def correct(
         self, feet: Array, headings: Sequence[float], standing: Sequence[bool], ground: Sequence[float] = (0.0, 0.0)
     ) -> None:
@@ -263,15 +256,6 @@ def _predict(
     for i in range(3):
         acceleration[i] = turned[i, 0] * fx + turned[i, 1] * fy + turned[i, 2] * fz
     acceleration[2] -= GRAVITY
-
-
-@compiled("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1])")
-def _slides(feet: Array, before: Array) -> tuple[float, float]:
-    """Return how far feet are from where they were, in the plane; see :meth:`InvariantFilter.slides`."""
-    return (
-        math.hypot(feet[0, 0] - before[0, 0], feet[0, 1] - before[0, 1]),
-        math.hypot(feet[1, 0] - before[1, 0], feet[1, 1] - before[1, 1]),
-    )
 
 
 @inlined

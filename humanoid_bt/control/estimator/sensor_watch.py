@@ -70,6 +70,7 @@ class SensorWatch:
             self._before.values, limits.most.values, limits.least, self._moved.values, self._mean, limits.most.imu,
             self._leap, limits.rates, self._turned[0], self._still, limits.feet,
         )  # fmt: skip
+        self._disagree = _disagree.bind(self._compared, self._turned, limits.drift)
 
     def reset(self, reading: Reading) -> None:
         """Begin with sensors that work."""
@@ -166,7 +167,7 @@ class SensorWatch:
         if self._turned_looks < _COMPARED_EVERY:
             return
         self._turned_looks = 0
-        off = _disagree(reading.orientation, self._compared, self._turned, self._limits.drift)
+        off = self._disagree(reading.orientation)
         if upright and not self.failed:
             self._count(self.failed, "gyro", "says something else than the orientation", off, _DRIFTS_AFTER)
 
@@ -340,7 +341,7 @@ def _compare_from(orientation: Array, compared: Array, turned: Array) -> None:
     turned[0], compared[0] = 0.0, orientation
 
 
-@compiled("b1(f8[::1], f8[:, ::1], f8[:, ::1], f8)")
+@bindable("b1(f8[::1])", "f8[:, ::1], f8[:, ::1], f8")
 def _disagree(orientation: Array, compared: Array, turned: Array, most: float) -> bool:
     """Return whether an orientation has turned otherwise than the gyro says since the last two were compared with it.
 

@@ -320,8 +320,12 @@ def test_a_sole_that_seems_to_slide_for_long_is_believed_again(told: Told, monke
     def carried(*_: object) -> None:
         load.force[:], load.standing[:] = (1000.0, 0.0), (True, False)
 
+    def corrected(soles: np.ndarray, *_: object) -> None:
+        belief.feet[:] = soles - [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+
     monkeypatch.setattr(load, "explain", carried)
-    monkeypatch.setattr(belief, "slides", lambda soles: np.array([1.0, 0.0]))
+    monkeypatch.setattr(belief, "correct", corrected)
+    corrected(belief.feet)
     monkeypatch.setattr(belief, "doubt", lambda time, slip: slips.append(slip[0]))
     noise, exact = np.random.default_rng(0), told.reading.values.copy()
     for _ in range(120):
