@@ -153,9 +153,10 @@ class Controller:
         """Drive the joints and hear the sensors in this cycle, and up to another one if nothing changes before."""
         supervisor, estimator, plant, log, servo = self.supervisor, self.estimator, self._plant, self.log, self.servo
         estimate, command, fault, reading = estimator.estimate, servo.command, plant.fault, self._reading
+        cycle = self.cycle
         while True:
             plant.step(command)
-            self.cycle += 1
+            self.cycle = cycle = cycle + 1
             if log is not None:
                 reading = log.measured
             plant.measure(reading)
@@ -164,16 +165,17 @@ class Controller:
                 estimator.miss(reading)
             else:
                 estimator.take(reading)
-            if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._estimate_period):
+            heard = estimator.heard
+            if heard >= self._estimate_period or (heard and cycle == self._next_plan):
                 estimator.update(reading, servo.setpoint)
                 self._feel()
             if log is not None:
                 log.end(estimator.estimate)
-            if self.cycle >= until or estimator.estimate is not estimate or plant.fault != fault:
+            if cycle >= until or estimator.estimate is not estimate or plant.fault != fault:
                 return
-            supervisor.cycle = self.cycle
+            supervisor.cycle = cycle
             if log is not None:
-                log.begin(self.cycle + 1, supervisor, servo, self.body)
+                log.begin(cycle + 1, supervisor, servo, self.body)
 
     def _plan(self, estimate: Estimate) -> None:
         supervisor, body = self.supervisor, self.body

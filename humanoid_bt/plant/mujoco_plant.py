@@ -67,11 +67,7 @@ class MujocoPlant:
         self._pushes: dict[int, tuple[float, Array]] = {}
         self.external_force_max = 0.0
         self.cycle = 0
-
-    @property
-    def time(self) -> float:
-        """Engine time [s]."""
-        return self.cycle * SERVO_PERIOD
+        self.time = 0.0
 
     def place(self, qpos: Array) -> None:
         """Put the robot at the scene's start pose, at rest, before a run begins.
@@ -99,6 +95,7 @@ class MujocoPlant:
         self.touches.clear()
         self.external_force_max = 0.0
         self.cycle = 0
+        self.time = 0.0
         self._put(self._objects)
         try:
             mujoco.mj_forward(self.model, self.data)
@@ -137,6 +134,7 @@ class MujocoPlant:
         except mujoco.FatalError as error:
             raise ControlLost(_gives_up(error)) from error
         self.cycle += 1
+        self.time = self.cycle * SERVO_PERIOD
         if self.touches.possible:
             self.touches.note(self.data, self.time)
         self._sensors.sense()
