@@ -9,6 +9,7 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
@@ -52,7 +53,7 @@ class MujocoPlant:
         self.touches = Touches(self.model, robot.config)
         feet = [int(self.model.sensor(foot_sensor(side)).adr[0]) + 2 for side in SIDES]  # upward
         self._sensors = Sensors(robot.config.sensors, self.model, self.data, joints, feet)
-        self._kept = (  # what :func:`_truth` is called with each time
+        self._see = _truth.bind(
             self.model._address, self.data._address, self.data.qpos, self.data.site_xpos, self.data.site_xmat,
             self.model.site(GAZE_SITE).id,
         )  # fmt: skip
@@ -106,7 +107,7 @@ class MujocoPlant:
     def truth(self) -> Truth:
         """Return where the robot really is."""
         numbers, eyes = np.empty(self._nq), np.empty((2, 3))
-        _truth(numbers, eyes, *self._kept)
+        self._see(numbers, eyes)
         return Truth(self.time, numbers[:3], numbers[3:BASE_COORDINATES], eyes[0], eyes[1], numbers[BASE_COORDINATES:])
 
     def measure(self, into: Reading | None = None) -> Reading:
@@ -244,7 +245,7 @@ def _gives_up(error: Exception) -> str:
     return f"the simulated physics gave up, most likely because too many solid things touch at once: {why}"
 
 
-@compiled("void(f8[::1], f8[:, ::1], i8, i8, f8[::1], f8[:, ::1], f8[:, ::1], i8)")
+@bindable("void(f8[::1], f8[:, ::1])", "i8, i8, f8[::1], f8[:, ::1], f8[:, ::1], i8")
 def _truth(
     numbers: Array, eyes: Array, model: int, data: int, qpos: Array, places: Array, turns: Array, gaze: int
 ) -> None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.rows_task import RowsTask
 from humanoid_bt.control.jacobians import Indices, chains, link_turns, momenta, point_moves
-from humanoid_bt.core.compiled import compiled, inlined
+from humanoid_bt.core.bindable import bindable
+from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.core.turns import (
     Quaternion,
@@ -133,12 +133,12 @@ class BodyTask(RowsTask):
             self._given = given
             self._give_body_to_hands(*given)
         if data is not self._data:
-            self._data, self._kept = data, self._views(data)
+            self._data, self._aim = data, self._bound(data)
         soles, footings, corrections = targets.soles, targets.sole_footings, targets.sole_corrections
-        _aim(
+        self._aim(
             targets.com, targets.posture, soles["left"], footings["left"], corrections["left"],
             soles["right"], footings["right"], corrections["right"], targets.heading, targets.torso_yaw,
-            targets.lean[0], self._torso_lean(data, targets), *targets.gaze, *targets.tilt, *self._kept,
+            targets.lean[0], self._torso_lean(data, targets), *targets.gaze, *targets.tilt,
         )  # fmt: skip
         if targets.swings != self._swings:
             self._set_sole_costs(targets.swings)
@@ -147,9 +147,9 @@ class BodyTask(RowsTask):
             self._posture_cost[:] = self._weights.posture
             self._posture_cost[list(self._arms)] = self._weights.arm
 
-    def _views(self, data: mujoco.MjData) -> tuple[Any, ...]:
-        """Return what :func:`_aim` is called with each time for a configuration."""
-        return (
+    def _bound(self, data: mujoco.MjData) -> Callable[..., None]:
+        """Return :func:`_aim` for a configuration."""
+        return _aim.bind(
             self.jacobian, self.error, self.jacobian[-1] if self._spins else np.zeros(0), self._feet_roll, data.qpos,
             data.cdof, data.subtree_com[self._root], data.xipos[self._bodies], data.ximat[self._bodies], *self._masses,
             data.site_xpos, data.site_xmat, data.xquat, self._sites, self._links, self._chains,
@@ -252,10 +252,11 @@ def _aim_sole(
         _in_frame(turn, error[3:])
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, f8, f8, f8,"
-    " f8, f8, f8, f8, f8[:, ::1], f8[::1], f8[::1], b1, f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1],"
-    " f8[::1], f8[:, ::1], f8, i8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], i8[:, ::1])"
+@bindable(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, f8, f8, f8, f8, f8, f8,"
+    " f8)",
+    "f8[:, ::1], f8[::1], f8[::1], b1, f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8,"
+    " i8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], i8[:, ::1]",
 )
 def _aim(
     com: Array,

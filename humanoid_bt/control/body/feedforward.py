@@ -9,7 +9,8 @@ import numpy as np
 from humanoid_bt.control.body.stabilizer import Load
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.jacobians import Indices, chains, point_moves
-from humanoid_bt.core.compiled import compiled, inlined
+from humanoid_bt.core.bindable import bindable
+from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel
 from humanoid_bt.robot.mujoco_functions import mul_m
@@ -43,7 +44,7 @@ class Feedforward:
             ]
         )
         sole, data = config.sole, dynamics.data
-        self._kept = (  # what :func:`_torques` is called with each time
+        self._torques = _torques.bind(
             *dynamics.addresses, dynamics.bias, data.qpos, data.qvel, dynamics.motions, dynamics.origin,
             chains(robot.model, [robot.model.body(leg.sole.body).id for leg in legs]), hips, turns, ankles,
             np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins),
@@ -69,9 +70,9 @@ class Feedforward:
             tilt: roll and pitch of the pelvis as they are meant to be [rad].
         """
         dynamics, forces, (roll, pitch) = self._dynamics, np.empty(self._size), tilt
-        _torques(
+        self._torques(
             forces, acceleration, position, velocity, load.force, load.share, load.cop,
-            dynamics.soles["left"], dynamics.soles["right"], dynamics.roll - roll, dynamics.pitch - pitch, *self._kept,
+            dynamics.soles["left"], dynamics.soles["right"], dynamics.roll - roll, dynamics.pitch - pitch,
         )  # fmt: skip
         return forces[BASE_DOFS:]
 
@@ -147,10 +148,10 @@ def _limit_ankles(
         torque[joint] = min(max(feedback + torque[joint], centred - reach), centred + reach) - feedback
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8, f8, i8, i8,"
-    " f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], f8[:, ::1], i8[:, ::1], f8[::1],"
-    " f8[::1], f8[::1], f8, f8, f8[:, ::1])"
+@bindable(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8, f8)",
+    "i8, i8, f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], f8[:, ::1], i8[:, ::1], f8[::1],"
+    " f8[::1], f8[::1], f8, f8, f8[:, ::1]",
 )
 def _torques(
     forces: Array,

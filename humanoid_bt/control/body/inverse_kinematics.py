@@ -15,6 +15,7 @@ from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
@@ -116,7 +117,7 @@ class InverseKinematics:
         self.acceleration: Array = np.zeros(self._model.nv)
         self.momentum_rate: Array = np.zeros(3)
         data = self.configuration.data
-        self._motion = (  # what :func:`_go` is called with each time
+        self._move = _go.bind(
             self.acceleration, self.momentum_rate, np.zeros(3), self._quickest, self._smooth,
             min(1.0, self._dt / _SMOOTH_TIME), self._dt, self._model._address, data._address,
             self._qpos, data.qvel, data.subtree_angmom[self._root],
@@ -242,7 +243,7 @@ class InverseKinematics:
     def _go(self, way: Array) -> None:
         """Go a step, shape (nv,), in a control period."""
         velocity = np.empty(len(way))
-        _go(velocity, way, self.velocity, *self._motion)
+        self._move(velocity, way, self.velocity)
         self.velocity = velocity
 
 
@@ -276,9 +277,9 @@ def _bound(
         high[BASE_DOFS + joint] = min(braked * (upper[joint] - now), most)
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1],"
-    " f8[::1])"
+@bindable(
+    "void(f8[::1], f8[::1], f8[::1])",
+    "f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1], f8[::1]",
 )
 def _go(
     velocity: Array,

@@ -8,6 +8,7 @@ from itertools import accumulate
 
 import numpy as np
 
+from humanoid_bt.core.bindable import bindable
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, Estimate
@@ -93,10 +94,10 @@ class Observation:
         now, parts = _parts(policy)
         self._velocity, self._sines, self._cosines = (now[parts[name]] for name in ("base_lin_vel", *PHASES))
         self._sees_velocity = any(term.config.term == "base_lin_vel" for term in policy.terms)
-        self._seen = joints, policy.default_pose, now  # what :func:`_look` is called with each time
+        self._look = _look.bind(joints, policy.default_pose, now)
         self._past: Array = np.zeros(policy.width)
         self._fills = config.fill == "first"
-        self._told = (  # likewise of :func:`_tell`
+        self._tell = _tell.bind(
             now, _places(policy, parts), *_rules(policy), config.clipped == "before_scale",
             math.inf if config.clip is None else config.clip, _memory(policy), self._past,
         )  # fmt: skip
@@ -128,9 +129,9 @@ class Observation:
         qpos, qvel = estimate.qpos, estimate.qvel
         if self._sees_velocity:
             self._velocity[:] = rotation_matrix(qpos[3:BASE_COORDINATES]).T @ qvel[:3]
-        _look(qpos, qvel, command, self.last_action, masked, *self._seen)
+        self._look(qpos, qvel, command, self.last_action, masked)
         row: Tensor = np.empty((1, len(self._past)), np.float32)
-        _tell(*self._told, self._begins and self._fills, row)
+        self._tell(self._begins and self._fills, row)
         self._begins = False
         return row
 
@@ -199,7 +200,7 @@ def _turn(angles: Array, step: float) -> None:
         angles[i] = (angles[i] + step + math.pi) % math.tau - math.pi
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], i8[::1], i8[::1], f8[::1], f8[::1])")
+@bindable("void(f8[::1], f8[::1], f8[::1], f8[::1], i8[::1])", "i8[::1], f8[::1], f8[::1]")
 def _look(
     qpos: Array, qvel: Array, command: Array, action: Array, masked: Indices, joints: Indices, pose: Array, now: Array
 ) -> None:
@@ -239,8 +240,10 @@ def _within(value: float, low: float, high: float) -> float:
     return high if value > high else value
 
 
-@compiled("void(f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], b1, f8, i8[:, ::1], f8[::1], b1, f4[:, ::1])")
+@bindable("void(b1, f4[:, ::1])", "f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], b1, f8, i8[:, ::1], f8[::1]")
 def _tell(
+    fills: bool,
+    told: Tensor,
     now: Array,
     places: Indices,
     scale: Array,
@@ -250,20 +253,18 @@ def _tell(
     most: float,
     memory: Indices,
     past: Array,
-    fills: bool,
-    told: Tensor,
 ) -> None:
     """Remember what is known of a moment, and write the observation.
 
     Args:
+        fills: whether it is as if it had always been as now.
+        told: is written, shape (1, width).
         now: what is known, of which these are seen:
         places, scale, low, high: see :func:`_places` and :func:`_rules`.
         first_clipped: whether a number is clipped before it is scaled.
         most: to which the whole observation is clipped.
         memory: see :func:`_memory`.
         past: the observation so far, not clipped; it goes on by a moment, shape (width,).
-        fills: whether it is as if it had always been as now.
-        told: is written, shape (1, width).
     """
     for i in range(len(places)):
         value = now[places[i]]
