@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
 
 from humanoid_bt.core.bindable import bindable
-from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
@@ -74,23 +72,23 @@ class RobotDynamics:
         self.sole_positions: Array = rows[2:4]
         self.sole_headings: Array = rows[4:6, 2]
         self.soles: dict[Side, Array] = {"left": rows[4], "right": rows[5]}
-        self._sole_headings: Array = rows[4:6, 2]
         self.footings: dict[Side, Array] = {"left": rows[6], "right": rows[7]}
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
         self._update = _update.bind(
-            rows, self._tilt, *self.addresses, data.qpos, data.qvel, self.bias, data.qfrc_spring,
+            rows, self._tilt, *self.addresses, data.qpos, self.bias, data.qfrc_spring,
             data.subtree_com[self._base], data.subtree_linvel[self._base], data.site_xpos, data.site_xmat,
             np.array(list(self._sole.values())), robot.config.feet_roll,
         )  # fmt: skip
-        self._seen: tuple[Any, ...] = (  # likewise of :func:`_copy_sites`
+        self._copy_sites = _copy_sites.bind(
             data.site_xpos, data.site_xmat, gaze, np.array(list(self._palm.values()), np.int64),
             np.array([quaternion(robot.palm_axes[side]) for side in self.sides]).reshape(-1, 4),
         )  # fmt: skip
 
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
-        self._update(estimate.qpos, estimate.qvel)
+        self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
+        self._update()
         self.roll, self.pitch = self._tilt.tolist()
 
     @property
@@ -125,7 +123,7 @@ class RobotDynamics:
     @property
     def feet(self) -> dict[Side, FootPose]:
         """Poses of the soles."""
-        places, headings = self.sole_positions.tolist(), self._sole_headings.tolist()
+        places, headings = self.sole_positions.tolist(), self.sole_headings.tolist()
         return {side: FootPose(x, y, yaw, z) for side, (x, y, z), yaw in zip(SIDES, places, headings, strict=True)}
 
     @property
@@ -145,10 +143,10 @@ class RobotDynamics:
             points: position of the gaze site, direction of view, palm positions, shape (2 + hands, 3).
             turns: how the palms' frames are turned, wxyz, shape (hands, 4).
         """
-        _copy_sites(points, turns, *self._seen)
+        self._copy_sites(points, turns)
 
 
-@compiled("void(f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], i8, i8[::1], f8[:, ::1])")
+@bindable("void(f8[:, ::1], f8[:, ::1])", "f8[:, ::1], f8[:, ::1], i8, i8[::1], f8[:, ::1]")
 def _copy_sites(
     points: Array, turns: Array, places: Array, frames: Array, gaze: int, palms: Array, palm_turns: Array
 ) -> None:
@@ -170,19 +168,15 @@ def _copy_sites(
 
 
 @bindable(
-    "void(f8[::1], f8[::1])",
-    "f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1],"
-    " i8[::1], b1",
+    "void()",
+    "f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], i8[::1], b1",
 )
 def _update(
-    coordinates: Array,
-    speeds: Array,
     rows: Array,
     tilt: Array,
     model: int,
     data: int,
     qpos: Array,
-    qvel: Array,
     bias: Array,
     springs: Array,
     com: Array,
@@ -198,16 +192,14 @@ def _update(
     turned from level.
 
     Args:
-        coordinates, speeds: of the estimate.
         rows: are written: centre of mass, its velocity, and of both soles positions, then poses, then footings.
         tilt: is written: roll and pitch of the base [rad].
         model, data: addresses of MuJoCo's.
-        qpos, qvel, bias, springs, com, com_velocity: views of data; all are written.
+        qpos, bias, springs, com, com_velocity: views of data; all but the first are written.
         places, turns: positions and rotation matrices of all sites, likewise, shapes (n, 3) and (n, 9).
         soles: which of these are soles.
         feet_roll: whether a joint rolls the feet.
     """
-    qpos[:], qvel[:] = coordinates, speeds
     kinematics(model, data)
     com_pos(model, data)
     make_m(model, data)
