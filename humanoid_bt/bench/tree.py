@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -122,10 +123,12 @@ def _same_leaves(ours: _Situation, theirs: _Situation, repetitions: int) -> Pair
 def _load(file: Path, workspace: Workspace, repetitions: int) -> Figure:
     text = file.read_text(encoding="utf-8")
     nodes = len(load_tree(file, workspace).nodes)
+    gc.disable()  # a collection takes half as long as a load, and would count for either of the two
     pairs = in_turn(
         repetitions,
         lambda: cpu(lambda: load_tree(file, workspace), _LOADS),
         lambda: cpu(lambda: yaml.safe_load(text), _LOADS),
     )
+    gc.enable()
     title = f"load of a {nodes}-node tree with all checks"
     return figure(title, "yaml.safe_load of its text", "s CPU", pairs, promise=LOAD)
