@@ -34,6 +34,8 @@ _BEHIND = 5.0  # s that a recorder which is not waited for may be behind before 
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
+    "MALLOC_MMAP_THRESHOLD_": str(1 << 25),  # bytes; a batch is to lie where the last one did, and not in new pages,
+    "MALLOC_TRIM_THRESHOLD_": str(1 << 26),  # of which each costs 1 us: so much glibc may keep
     "RUST_LOG": "off",  # it tells of trouble itself
     "RERUN_STRICT": "1",  # what cannot be drawn is an error: else a whole batch is lost with a warning that nobody sees
 }
