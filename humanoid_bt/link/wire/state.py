@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import accumulate, pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -132,50 +134,43 @@ def decode_state(data: bytes | memoryview) -> State:
     counts: tuple[int, ...] = _COUNTS.unpack_from(cursor.data, cursor.offset)
     cursor.offset += _COUNTS.size
     sequence, joints, footstep_count, flag_count, gait, mode, settled = counts[:7]
-    hands, feet, forces, errors = (_SIDES_OF_BITS[bits] for bits in counts[7:11])
+    hands, feet, forces, errors = map(_SIDES_OF_BITS.__getitem__, counts[7:11])
     target_count, source_count = counts[11:13]
-    obstacles, orientations, turn_errors = (_SIDES_OF_BITS[bits] for bits in counts[13:16])
+    obstacles, orientations, turn_errors = map(_SIDES_OF_BITS.__getitem__, counts[13:16])
     if settled > 1:
         raise WireError(f"{settled} is no truth value")
-    block = _Block(
-        cursor.floats(
-            _JOINT_ARRAYS * joints
-            + sum(_FIXED_SIZES)
-            + 3 * len(hands)
-            + 4 * len(orientations)
-            + 4 * len(feet)
-            + len(forces)
-            + len(errors)
-            + len(turn_errors)
-            + 4 * footstep_count
-        )
+    places = _places(joints, len(hands), len(orientations))
+    values = cursor.floats(
+        places[-1].stop + 4 * len(feet) + len(forces) + len(errors) + len(turn_errors) + 4 * footstep_count
     )
+    array = map(values.__getitem__, places).__next__
+    number = iter(values[places[-1].stop :].tolist()).__next__
     # Arguments are evaluated in the order in which they are written, which is the order on the wire.
     return State(
         time=cursor.header.stamp,
         cycle=cursor.header.sequence,
-        joint_positions=block.take(joints),
-        joint_velocities=block.take(joints),
-        joint_torques=block.take(joints),
-        setpoint_positions=block.take(joints),
-        setpoint_velocities=block.take(joints),
-        base_position=block.take(3),
-        base_quaternion=block.take(4),
-        base_linear_velocity=block.take(3),
-        base_angular_velocity=block.take(3),
-        base_covariance=_symmetric(block.take(len(_COVARIANCE))),
-        com=block.take(3),
-        com_velocity=block.take(3),
-        stance=block.take(3),
-        gaze_position=block.take(3),
-        gaze_direction=block.take(3),
-        hands={side: block.take(3) for side in hands},
-        hand_orientations={side: block.take(4) for side in orientations},
-        feet={side: block.take_foot() for side in feet},
-        foot_force={side: block.take_number() for side in forces},
-        hand_errors={side: block.take_number() for side in errors},
-        hand_turn_errors={side: block.take_number() for side in turn_errors},
-        footsteps=_footsteps(cursor, [block.take_foot() for _ in range(footstep_count)]),
+        joint_positions=array(),
+        joint_velocities=array(),
+        joint_torques=array(),
+        setpoint_positions=array(),
+        setpoint_velocities=array(),
+        base_position=array(),
+        base_quaternion=array(),
+        base_linear_velocity=array(),
+        base_angular_velocity=array(),
+        base_covariance=_symmetric(array()),
+        com=array(),
+        com_velocity=array(),
+        stance=array(),
+        gaze_position=array(),
+        gaze_direction=array(),
+        hands={side: array() for side in hands},
+        hand_orientations={side: array() for side in orientations},
+        feet={side: _foot(number) for side in feet},
+        foot_force={side: number() for side in forces},
+        hand_errors={side: number() for side in errors},
+        hand_turn_errors={side: number() for side in turn_errors},
+        footsteps=_footsteps(cursor, [_foot(number) for _ in range(footstep_count)]),
         gait=_GAITS[gait],
         mode=_MODES[mode],
         base_settled=bool(settled),
@@ -190,25 +185,16 @@ def decode_state(data: bytes | memoryview) -> State:
     )
 
 
-class _Block:
-    """Hands out the numbers of a state in their order."""
+@functools.lru_cache(16)  # in a run there are few
+def _places(joints: int, hands: int, orientations: int) -> tuple[slice, ...]:
+    """Return where the arrays of a state are among its numbers, in their order; what is behind them are no arrays."""
+    sizes = (joints,) * _JOINT_ARRAYS + _FIXED_SIZES + (3,) * hands + (4,) * orientations
+    return tuple(slice(begin, end) for begin, end in pairwise(accumulate(sizes, initial=0)))
 
-    __slots__ = ("_offset", "_values")
 
-    def __init__(self, values: Array) -> None:
-        self._values, self._offset = values, 0
-
-    def take(self, size: int) -> Array:
-        begin = self._offset
-        self._offset = begin + size
-        return self._values[begin : begin + size]
-
-    def take_number(self) -> float:
-        return float(self.take(1)[0])
-
-    def take_foot(self) -> FootPose:
-        x, y, z, yaw = self.take(4).tolist()
-        return FootPose(x, y, yaw, z)
+def _foot(number: Callable[[], float]) -> FootPose:
+    x, y, z, yaw = number(), number(), number(), number()
+    return FootPose(x, y, yaw, z)
 
 
 def _pack_arrays(arrays: Sequence[Array], sizes: Sequence[int]) -> bytes:
@@ -227,7 +213,7 @@ def _pack_foot(foot: FootPose) -> bytes:
 
 
 def _symmetric(upper: Array) -> Array:
-    whole: Array = upper[_WHOLE_COVARIANCE]
+    whole: Array = upper.take(_WHOLE_COVARIANCE)
     whole.flags.writeable = False
     return whole
 
@@ -245,7 +231,7 @@ def _by_side(values: Mapping[Side, _V]) -> tuple[list[_V], int]:
 
 
 def _footsteps(cursor: Cursor, poses: list[FootPose]) -> tuple[tuple[Side, FootPose], ...]:
-    return tuple((SIDES[int(cursor.take(_SIDE)[0])], pose) for pose in poses)
+    return tuple([(SIDES[int(cursor.take(_SIDE)[0])], pose) for pose in poses])
 
 
 def _pack_contact(group: str, contact: Contact) -> bytes:
