@@ -50,7 +50,7 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = io.BufferedReader(_Unhurried(end, self._idle, self._patience), _CHUNK)
+        self._source = _Unpeeked(io.BufferedReader(_Unhurried(end, self._idle, self._patience), _CHUNK))
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
@@ -211,6 +211,17 @@ class _Unhurried(io.RawIOBase):
             if not parts[-1]:
                 break
         return b"".join(parts)
+
+
+class _Unpeeked:
+    """What pickle needs of a stream, but ``peek``: with that it copies all that is buffered at every step.
+
+    Args:
+        stream: it.
+    """
+
+    def __init__(self, stream: io.BufferedReader) -> None:
+        self.read, self.readinto, self.readline = stream.read, stream.readinto, stream.readline
 
 
 class _Telling(logging.Handler):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Mapping, Sequence
-from typing import IO, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,16 @@ from humanoid_bt.record.tick import Tick, state_of
 _SAMPLE, _CYCLES, _RESULTS = "sample", "cycles", "results"
 _NUMBER = np.dtype(float).itemsize  # bytes
 _NOWHERE = np.full(3, np.nan)  # a recording shows where a percept is in the world, never in an older base frame
+
+
+class Source(Protocol):
+    """What calls are read from."""
+
+    def read(self, size: int, /) -> bytes:
+        """Return so many bytes, fewer only at the end."""
+
+    def readline(self) -> bytes:
+        """Return the bytes up to the next line break."""
 
 
 def encode_call(method: str, *arguments: object) -> bytes:
@@ -78,7 +88,7 @@ def _box(track: Track) -> tuple[list[float] | None, float]:
     return (None if track.size is None else track.size.tolist()), track.heading_world
 
 
-def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
+def decode_call(source: Source) -> tuple[str, tuple[Any, ...]]:
     """Return the next call: the recorder's method and its arguments.
 
     Args:
@@ -97,7 +107,7 @@ def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
     return method, _sample(*arguments) if method == _SAMPLE else arguments
 
 
-def _rows(source: IO[bytes], count: int, width: int) -> Array:
+def _rows(source: Source, count: int, width: int) -> Array:
     """Return the rows of numbers that come next; raises EOFError if they are cut short."""
     size = count * width * _NUMBER
     if len(data := source.read(size)) < size:
