@@ -16,6 +16,7 @@ TIMELINE = "sim_time"
 
 Color = tuple[int, int, int]
 
+_SCALARS = rr.Scalars.descriptor_scalars()
 _STRIP = rr.components.LineStrip3DBatch([]).as_arrow_array().type
 _POINT = _STRIP.value_type
 
@@ -63,6 +64,16 @@ def time_column(times: Sequence[float] | Array) -> Any:
     """Return the index column of engine times [s]."""
     nanoseconds = np.round(np.asarray(times, dtype=float) * 1e9).astype("timedelta64[ns]")
     return rr.TimeColumn(TIMELINE, duration=nanoseconds)
+
+
+def scalars(values: Array) -> Any:
+    """Return what :meth:`rerun.Scalars.columns` returns, in a third of its time.
+
+    Args:
+        values: those of each row, shape (rows,) or (rows, n).
+    """
+    ends = np.arange(len(values) + 1, dtype=np.int32) * values[:1].size
+    return [rr.ComponentColumn(_SCALARS, rr.components.ScalarBatch(values), offsets=ends)]
 
 
 def strips(lines: Sequence[Any]) -> Any:

@@ -13,7 +13,7 @@ import rerun as rr
 from humanoid_bt.core.messages import SIDES, Array, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.batch import Batch
-from humanoid_bt.record.columns import Color, Times, entity, send, time_column
+from humanoid_bt.record.columns import Color, Times, entity, scalars, send, time_column
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.soft_limits import soft_limits
@@ -153,7 +153,7 @@ def _states(samples: _Samples) -> tuple[rr.TimeColumn, list[State]]:
 
 
 def _scalars(stream: Any, path: str, times: Times, values: Array, *, lasting: bool = False) -> None:
-    send(stream, path, times, rr.Scalars.columns(scalars=values), lasting=lasting)
+    send(stream, path, times, scalars(values), lasting=lasting)
 
 
 def _style(stream: Any, path: str, names: Sequence[str], colors: Sequence[Any], width: float) -> None:

@@ -11,7 +11,7 @@ import rerun as rr
 
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.record.batch import Batch
-from humanoid_bt.record.columns import entity, send
+from humanoid_bt.record.columns import entity, scalars, send
 from humanoid_bt.record.plots import LEGEND, PALETTE
 
 RESULTS = "results"
@@ -61,6 +61,6 @@ class ResultSeries:
                 legend = entity(RESULTS, LEGEND, path, name)
                 for curve in (series, legend):
                     stream.log(curve, rr.SeriesLines(names=[label], colors=[color]), static=True)
-                send(stream, legend, times[:1], rr.Scalars.columns(scalars=np.array([np.nan])), lasting=True)
+                send(stream, legend, times[:1], scalars(np.array([np.nan])), lasting=True)
                 self._begun.add(series)
-            send(stream, series, times, rr.Scalars.columns(scalars=np.array(values)))
+            send(stream, series, times, scalars(np.array(values)))
