@@ -9,6 +9,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import pyarrow as pa
 import rerun as rr
 
 from humanoid_bt.core.errors import HumanoidBtError, nearest
@@ -59,7 +60,7 @@ class SceneView:
         self.heights = {name: geoms.height(model, body) for name, body in self._objects.items()}
         roots = (names.keys() - stands) | set(self._objects.values())
         self._moving = np.array([body for body in names if self._hangs_on(body, roots)], dtype=int)
-        self._frames = [names[body] for body in self._moving]
+        self._frames = pa.array([names[body] for body in self._moving], pa.string())
         self._poses: Batch[tuple[float, Array, Array]] = Batch("the robot and the scene")
         self._looks: dict[str, list[tuple[str, int, Any]]] = {name: [] for name in self._objects}
         self._hidden: dict[str, bool] = {}
@@ -135,7 +136,7 @@ class SceneView:
             if self._hidden.get(name) is not (now := name in hidden):
                 self._hidden[name] = now
                 self._hidings.append((state.time, name, now))
-        self._poses.append((state.time, data.xpos[self._moving], data.xquat[self._moving]))
+        self._poses.append((state.time, data.xpos.copy(), data.xquat.copy()))
 
     def flush(self, stream: Any) -> None:
         """Write the poses and looks added since the last flush."""
@@ -149,10 +150,10 @@ class SceneView:
         if not bodies:
             return
         columns = rr.Transform3D.columns(
-            translation=np.concatenate(positions),
-            quaternion=xyzw(np.concatenate(quaternions)),
-            parent_frame=[WORLD] * (rows * bodies),
-            child_frame=self._frames * rows,
+            translation=np.array(positions)[:, self._moving].reshape(-1, 3),
+            quaternion=xyzw(np.array(quaternions)[:, self._moving].reshape(-1, 4)),
+            parent_frame=pa.repeat(WORLD, rows * bodies),
+            child_frame=pa.concat_arrays([self._frames] * rows),
         )
         send(stream, POSES, np.repeat(times, bodies), columns)
 
