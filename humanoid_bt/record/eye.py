@@ -132,7 +132,7 @@ def _draw(stream: Any, rows: Sequence[tuple[float, float, Point]]) -> None:
 
 def _framed(points: Sequence[Point], heading: float, base_height: float) -> tuple[float, float, float, float]:
     """Return the middle of the picture that has all points in it (x, y, z), and the eye's distance from there [m]."""
-    ahead = fx, fy, fz = _forward(heading)
+    fx, fy, fz = _forward(heading)
     level = math.hypot(fx, fy)
     rx, ry = fy / level, -fx / level  # to the right
     ux, uy, uz = ry * fz, -rx * fz, level  # up
@@ -144,8 +144,8 @@ def _framed(points: Sequence[Point], heading: float, base_height: float) -> tupl
         max(abs(right - aside) / _WIDTH, abs(high - above) / _HEIGHT) - (deep - depth)
         for right, high, deep in zip(asides, aboves, depths, strict=True)
     ]
-    x, y, z = (depth * f + aside * r + above * u for f, r, u in zip(ahead, (rx, ry, 0.0), (ux, uy, uz), strict=True))
-    return x, y, z, max(*wide, _NEAREST * base_height)
+    x, y = depth * fx + aside * rx + above * ux, depth * fy + aside * ry + above * uy
+    return x, y, depth * fz + above * uz, max(*wide, _NEAREST * base_height)
 
 
 def _forward(heading: float) -> tuple[float, float, float]:
