@@ -57,11 +57,12 @@ class _Picture:
 
     def write(self, left: float, middle: float, text: str) -> None:
         """Add a label that begins at a place, cut to the drawing's width."""
-        if left + text_width(text, _LETTERS) > SIZE[0]:
+        width = text_width(text, _LETTERS)
+        if left + width > SIZE[0]:
             room = SIZE[0] - left
             fits = bisect_right(range(1, len(text)), room, key=lambda count: text_width(text[:count] + "...", _LETTERS))
             text = text[:fits] + "..."
-        width = text_width(text, _LETTERS)
+            width = text_width(text, _LETTERS)
         self.labels.append(text)
         self.places.append((left + width / 2, middle - _DROP))
 
