@@ -42,9 +42,9 @@ def verdict(kept: bool) -> Verdict:
     return "ok" if kept else "missed"
 
 
-STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 4.0, "x")
-SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 7.0, "x", at_least=True)
-ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.5, "x")
+STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 3.5, "x")
+SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 8.0, "x", at_least=True)
+ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.4, "x")
 OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.2, "x")
 LOG_USUAL = Promise("keeping a servo cycle for the recording, p50, beside `mj_step` for as long", 0.06, "x")
 LOG = Promise("keeping a servo cycle for the recording, p99, beside `mj_step` for as long", 0.15, "x")
