@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
+from statistics import fmean
 
 from rich.text import Text
 
@@ -22,6 +23,7 @@ from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.cli.output import hanging, print_lines
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import relative
+from humanoid_bt.core.units import readable
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.folder_limits import load_limits
@@ -58,6 +60,9 @@ def bench_body(arguments: argparse.Namespace) -> int:
     figures: list[GaitFigure] = []
     for body in bodies:
         figures += _gait(console, [one for one in found if one.body == body], body)
+    for one in found:
+        for told in _limits(one):
+            _say(console, told)
     for one in found:
         if one.failed:
             print_lines(["", *_failures(one, arguments)])
@@ -168,6 +173,26 @@ def _gait_line(figure: GaitFigure) -> Text:
     promise = figure.promise
     values = "".join(f"{value:8.2f}" for value in (figure.value, figure.median, figure.most))
     return Text(f"{figure.name:<17}{values}  {promise.text:>10}  ").append(judged(figure.verdict))
+
+
+def _limits(found: Withstood) -> Iterator[Text]:
+    """Yield what the trials of a row that reached the goal have shown of what it limits, beside the limit."""
+    limits = found.row.limits
+    seen = [
+        done.result for done in found.trials if done.result.succeeded and limits.keys() <= done.result.values.keys()
+    ]
+    if not (seen and limits):
+        return
+    of = f"  {found.body}" if found.body else ""
+    yield Text(f"\n{found.row.name:<17}{'mean':>12}{'worst':>12}{'limit':>12}{of}", "dim")
+    for name, limit in limits.items():
+        values, unit = [float(result.values[name]) for result in seen], seen[0].units.get(name, "")
+        told = (_figure(value, unit) for value in (fmean(values), max(values), limit))
+        yield Text(f"{name.replace('_', ' '):<17}" + "".join(f"{one:>12}" for one in told))
+
+
+def _figure(value: float, unit: str) -> str:
+    return readable(value, unit, 1) if unit else f"{100 * value:.2f} %"
 
 
 def _between(interval: Interval) -> str:

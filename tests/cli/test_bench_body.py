@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
                     result = Result("fell", FALLS, time=2.0, fell=True)
                 if row.name == "slope" and seed == 4:
                     result = Result("failure", "walk_to: comes no nearer", time=30.0)
+                if row.name == "odometry":
+                    values = {"drift": 0.001 * seed, "heading_error": 0.01, "velocity_error": 0.02}
+                    result = replace(result, values=values, units={"heading_error": "rad", "velocity_error": "m/s"})
                 recording = str(given["recordings"](row, seed, body)) if given["recordings"] else ""
                 trials.append(Done(Task(row.trial(number, str(robot), seed, body), recording), result, Cost()))
                 progress(Withstood(row, list(trials), body))
@@ -68,6 +72,16 @@ def test_the_table_fits_a_small_terminal(
     assert "goals 20/20 20/20 84-100 % 95 % ok" in rows
     assert "push-standing-200 20/20 84-100 % 90 % ok" in rows
     assert "slope 9/20 10/20 26-66 % 95 % missed" in rows
+
+
+def test_what_a_row_limits_is_told_beside_its_limit(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["bench", "--body", "--only", "odometry", "goals", "--trials", "3", "--seed", "4"])
+    told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert told[told.index("odometry mean worst limit") + 1 :] == [
+        "drift 0.50 % 0.60 % 1.50 %",
+        "heading error 0.57 deg 0.57 deg 1.5 deg",
+        "velocity error 0.02 m/s 0.02 m/s 0.03 m/s",
+    ]
 
 
 def test_what_failed_is_told_with_the_worst_first_and_the_command_that_shows_it(
@@ -134,7 +148,7 @@ def test_ctrl_c_leaves_what_is_known(asked: dict[str, Any], tmp_path: Path, caps
     assert main(["bench", "--body", "--json", str(file)]) == 130
     rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     walked = [f"{name} 20/20 20/20 84-100 % 95 % ok" for name in ("goals", "straight", "metre")]
-    assert rows[2:] == [*walked, "odometry 7/7 7/7 65-100 % 95 % ok"]
+    assert rows[2:6] == [*walked, "odometry 7/7 7/7 65-100 % 95 % ok"]
     assert json.loads(file.read_text(encoding="utf-8"))["whole"] is False
 
 
