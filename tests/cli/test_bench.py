@@ -52,7 +52,7 @@ def test_the_table_fits_a_small_terminal(capsys: pytest.CaptureFixture[str]) -> 
     assert max(map(len, lines)) <= 50
     text = " ".join(" ".join(lines).split())
     assert "median of 3 pairs" in text
-    assert "lockstep 12.00x >= 7x ok" in text
+    assert "lockstep 12.00x >= 8x ok" in text
     assert "tick of a tree 1.25x <= 1x missed" in text
     assert "to py_trees: 15 to 12 us CPU" in text
 
