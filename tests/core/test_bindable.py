@@ -60,8 +60,8 @@ def test_code_is_made_anew_where_what_it_takes_from_elsewhere_has_changed(
         '@bindable("f8()", "f8[::1]")\ndef it(values):\n    return FACTOR * values[0]\n'
     )
     monkeypatch.syspath_prepend(tmp_path)
-    for factor in (2.0, 3.0, 3.0):
-        (tmp_path / "part_of_bound.py").write_text(f"FACTOR = {factor}\n# {factor}\n")
+    for factor in (2.0, 3.25, 3.25):  # of another length, for Python looks at that and at the second
+        (tmp_path / "part_of_bound.py").write_text(f"FACTOR = {factor}\n")
         for name in ("part_of_bound", "bound_it"):
             monkeypatch.delitem(sys.modules, name, raising=False)
         importlib.invalidate_caches()
