@@ -124,6 +124,9 @@ def test_a_waist_that_is_wanted_again_while_it_is_given_back_stays_where_it_is(
     rig.run(1.5, {"right_hand": HandTarget(np.array([0.55, -0.1, 0.6]))})
     rig.run(0.3, {})
     on_its_way = rig.controller.servo.position[waist].copy()
+    policy, command = rig.robot.policy, rig.controller.servo.command
+    assert policy is not None
+    assert command.stiffness[waist] == pytest.approx(policy.stiffness[waist]), "its legs stand on that waist"
     assert np.abs(on_its_way - standing[BASE_COORDINATES:][waist]).max() > 0.02
     rig.controller.supervisor.raise_estop("test", "pressed")
     rig.run(0.1, {})
@@ -224,6 +227,17 @@ def test_a_base_target_becomes_a_velocity(rig: ControlRig) -> None:
     vx, vy, wz = body_of(rig).velocity.command.tolist()
     assert vx > 0.4 and abs(vy) < 0.1 and abs(wz) < 0.3
     assert rig.state.gait is Gait.STEP and not rig.state.base_settled
+
+
+def test_the_drives_follow_each_new_answer(rig: ControlRig, answers: list[float]) -> None:
+    policy = rig.robot.policy
+    assert policy is not None
+    rig.run(0.5, {})
+    before = rig.controller.servo.position.copy()
+    answers.append(0.02)
+    rig.run(0.1, {})
+    moved = rig.controller.servo.position - before
+    assert moved[policy.moves] == pytest.approx(0.02 * policy.scale, abs=1e-6)
 
 
 def test_a_single_wrong_answer_changes_nothing(rig: ControlRig, answers: list[float]) -> None:
