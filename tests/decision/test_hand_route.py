@@ -35,6 +35,15 @@ def test_a_long_table_is_in_the_way_however_far_its_middle_is(robot: Robot) -> N
     assert route.blocked == "table"
 
 
+def test_what_was_in_the_way_is_not_any_more_once_it_goes_elsewhere(robot: Robot) -> None:
+    robot.begin_tick(make_state(), {"table": box("table", (0.5, 0.0, 0.0), (0.2, 1.0, 0.1))})
+    route = way_of(robot)
+    route.next("left", [1.0, 0.0, 0.0])
+    assert route.blocked == "table"
+    route.next("left", [-1.0, 0.0, 0.0])
+    assert route.blocked == ""
+
+
 @pytest.mark.parametrize(("heading", "blocked"), [(math.radians(45), "plank"), (math.radians(-45), "")])
 def test_a_box_is_in_the_way_as_it_is_turned(robot: Robot, heading: float, blocked: str) -> None:
     robot.begin_tick(make_state(), {"plank": box("plank", (0.9, 0.4, 0.0), (1.4, 0.02, 0.2), heading)})
